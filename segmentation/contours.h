@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fathom {
+
+/// A closed line in an image, in pixels; the last point joins the first.
+using Polygon = std::vector<Eigen::Vector2d>;
+
+/// A polygon drawn on one frame. Several on one frame combine by even-odd: one inside another is a hole.
+struct Contour {
+  int frame = 0;       ///< as stored in the recording, from 0
+  Polygon points_px;   ///< MF orientation; at least three
+  bool closed = true;  ///< false: the ends are not joined (they lie where another sweep sees the organ better)
+  std::optional<double> confidence;  ///< in [0, 1]; empty for a contour that a person drew
+  int recording = 0;   ///< index in the exam
+};
+
+/// A frame on which the structure was looked for and is not there.
+struct AbsentMark {
+  int frame = 0;
+  int recording = 0;
+};
+
+/// A frame that only touches the structure, at one point: a cross-section of zero area.
+struct Extremity {
+  int frame = 0;
+  Eigen::Vector2d point_px = Eigen::Vector2d::Zero();
+  int recording = 0;
+};
+
+/// One organ or lesion, as outlined.
+struct Structure {
+  std::string name;
+  std::string color = "#33ccff";  ///< "#rrggbb"
+  std::vector<Contour> contours;
+  std::vector<AbsentMark> absent;
+  std::vector<Extremity> extremities;
+};
+
+/// Reads a contours file (docs/file-formats.md). Throws Error when it is damaged: wrong types, points that are not
+/// finite or farther than 1e6 pixels away, fewer than three points, negative frames, names used twice, a frame both
+/// outlined and marked absent.
+std::vector<Structure> read_contours(const std::filesystem::path& path);
+
+/// The text of a contours file, frames ascending; reads back as the same structures.
+std::string contours_json(const std::vector<Structure>& structures);
+
+/// Throws Error when a contour stands on a frame that a recording of `frame_count` frames does not have. `file` is
+/// the contours file, for the message.
+void require_frames(const std::vector<Structure>& structures, int frame_count, const std::string& file);
+
+}  // namespace fathom
