@@ -1,12 +1,12 @@
 #include "core/atomic_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "core/error.h"
 
@@ -79,6 +79,17 @@ void AtomicFile::write(std::string_view text) {
   }
 }
 
+void AtomicFile::overwrite(std::uint64_t offset, std::string_view text) {
+  flush_buffer();
+  while (!text.empty()) {
+    const ssize_t count = ::pwrite(descriptor_, text.data(), text.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("cannot be written");
+    text.remove_prefix(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+}
+
 void AtomicFile::flush_buffer() {
   std::string_view rest = buffer_;
   while (!rest.empty()) {
@@ -90,7 +101,8 @@ void AtomicFile::flush_buffer() {
   buffer_.clear();
 }
 
-void AtomicFile::make_durable() {
+void AtomicFile::prepare() {
+  if (descriptor_ < 0) return;
   flush_buffer();
   if (::fsync(descriptor_) != 0) fail("cannot be written");
   const int closed = ::close(descriptor_);
@@ -106,16 +118,17 @@ void AtomicFile::move_to_target() {
 void AtomicFile::commit() { commit_all({this}); }
 
 void AtomicFile::commit_all(std::initializer_list<AtomicFile*> files) {
-  for (AtomicFile* file : files) file->make_durable();
+  for (AtomicFile* file : files) file->prepare();
   for (AtomicFile* file : files) file->move_to_target();
 }
 
 void AtomicFile::fail(const char* what) const {
   const int code = errno;
-  const char* advice = code == ENOSPC || code == EDQUOT ? "; free some space or write elsewhere"
+  const char* advice = code == ENOSPC || code == EDQUOT  ? "; free some space or write elsewhere"
+                       : code == EFBIG                   ? "; write where large files are allowed"
                        : code == EACCES || code == EROFS ? "; choose a folder that you may write to"
                        : code == ENOENT                  ? "; create the folder first"
-                                                         : "";
+                                                         : "; choose another place to write to";
   throw Error(target_.string() + ": " + what + ": " + std::strerror(code) + advice);
 }
 

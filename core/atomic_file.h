@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <span>
@@ -25,7 +26,13 @@ class AtomicFile {
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
 
-  /// Makes everything durable, then moves it to the target's name. Throws Error, leaving the old file.
+  /// Replaces bytes that were written already, from `offset`; appending goes on where it was. Throws Error.
+  void overwrite(std::uint64_t offset, std::string_view text);
+
+  /// Makes everything durable, under the temporary name still: after this, `commit` can hardly fail. Throws Error.
+  void prepare();
+
+  /// Prepares, unless that was done, then moves the bytes to the target's name. Throws Error, leaving the old file.
   void commit();
 
   /// Commits several files that belong together: none gets its name before the bytes of all are safe on disk.
@@ -36,7 +43,6 @@ class AtomicFile {
 
  private:
   void flush_buffer();
-  void make_durable();
   void move_to_target();
   [[noreturn]] void fail(const char* what) const;
 

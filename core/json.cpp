@@ -3,16 +3,50 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/numbers.h"
 #include "core/text_file.h"
 
 namespace fathom {
 
 namespace {
+
 constexpr std::uintmax_t kMaxBytes = 256u << 20;
+
+// A parsed value takes up to 100 bytes; this many stay well below a gigabyte.
+constexpr std::size_t kMostValues = 6'000'000;
+
+constexpr std::size_t kDeepest = 32;  // a contours file nests six deep; others' additions may nest deeper
+
+// Rubbish of a few megabytes can be parsed into gigabytes, so values are counted first: each but the first of an array
+// or object comes after a comma, and the first after an opening bracket.
+void require_moderate(const std::string& text, const std::string& file) {
+  std::size_t values = 0;
+  std::size_t depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      if (c == '"') quoted = false;
+      continue;
+    }
+    if (c == '"') quoted = true;
+    if (c == '[' || c == '{') ++depth;
+    if ((c == ']' || c == '}') && depth > 0) --depth;
+    if (c == '[' || c == '{' || c == ',') ++values;
+    if (depth > kDeepest) throw Error(file + ": nests deeper than any file of this program; check that it is the right file");
+    if (values > kMostValues) {
+      throw Error(file + ": holds more than " + std::to_string(kMostValues / 1'000'000) +
+                  " million values, more than fits into memory; thin out its contours");
+    }
+  }
 }
+
+}  // namespace
 
 nlohmann::json JsonValue::read_file(const std::filesystem::path& path) {
   const std::string text = read_text_file(path, kMaxBytes);
+  require_moderate(text, path.string());
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {
@@ -32,7 +66,9 @@ JsonValue::JsonValue(const nlohmann::json* value, std::string file, std::string 
     : value_(value), file_(std::move(file)), place_(std::move(place)) {}
 
 void JsonValue::fail(const std::string& what) const {
-  throw Error(file_ + ": " + (place_.empty() ? "" : place_ + ": ") + what);
+  const bool advises = what.find(';') != std::string::npos;
+  throw Error(file_ + ": " + (place_.empty() ? "" : place_ + ": ") + what +
+              (advises ? "" : "; correct it in the file, or make the file anew"));
 }
 
 bool JsonValue::has(const std::string& key) const {
@@ -85,7 +121,7 @@ void require_version(const JsonValue& root, const std::string& marker, int versi
   if (!root.has(marker)) root.fail("has no \"" + marker + "\"; this is not a file of that kind");
   const double found = root.at(marker).number();
   if (found != version) {
-    root.at(marker).fail("is of version " + std::to_string(found) + ", this program reads version " +
+    root.at(marker).fail("is of version " + format_real(found) + "; this program reads version " +
                          std::to_string(version));
   }
 }

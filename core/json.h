@@ -1,8 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
+
+#include <nlohmann/json.hpp>
 
 namespace fathom {
 
@@ -11,8 +12,8 @@ namespace fathom {
 /// All accessors throw Error naming the file and the value ("exam.json: structures[2].name: ...").
 class JsonValue {
  public:
-  /// Reads and parses a file of at most 256 MiB. Throws Error when it is missing, no regular file, too large, or not
-  /// JSON. The document must outlive every value taken from it.
+  /// Reads and parses a file of at most 256 MiB, 6 million values and 32 levels. Throws Error when it is missing, no
+  /// regular file, larger than that, or not JSON. The document must outlive every value taken from it.
   static nlohmann::json read_file(const std::filesystem::path& path);
 
   /// The root of a document that was read from `path`.
@@ -33,6 +34,7 @@ class JsonValue {
   /// A whole number in [low, high].
   int integer(int low, int high) const;
 
+  /// Throws Error about this value. Without advice of its own ("...; do this") the user is told to mend the file.
   [[noreturn]] void fail(const std::string& what) const;
 
  private:

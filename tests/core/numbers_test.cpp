@@ -1,0 +1,49 @@
+#include "core/numbers.h"
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace fathom {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::Optional;
+
+TEST(ParseReal, TakesOneWholeFiniteNumber) {
+  EXPECT_EQ(parse_real("-8.43482e-005"), -8.43482e-5);
+  EXPECT_EQ(parse_real("+1."), 1.0);
+  EXPECT_EQ(parse_real("345.627957"), 345.627957);
+  for (const std::string text :
+       {"", " 1", "1 ", "1,5", "1.5mm", "nan", "inf", "-inf", "1e999", "0x10", "--1", "+", "."}) {
+    EXPECT_EQ(parse_real(text), std::nullopt) << text;
+  }
+}
+
+TEST(ParseReals, TakesNumbersWithAnyWhiteSpaceBetween) {
+  EXPECT_THAT(parse_reals(" 1 0  -2.5\t1e3 \r\n"), Optional(ElementsAre(1.0, 0.0, -2.5, 1000.0)));
+  EXPECT_THAT(parse_reals(" "), Optional(IsEmpty()));
+  EXPECT_EQ(parse_reals("1 2 x"), std::nullopt);
+  EXPECT_EQ(parse_reals("1, 2"), std::nullopt);
+}
+
+TEST(FormatReal, ReadsBackAsTheSameNumber) {
+  std::mt19937_64 engine(11);
+  for (int i = 0; i < 20000; ++i) {
+    const double value = std::bit_cast<double>(engine());
+    if (!std::isfinite(value)) continue;
+    EXPECT_EQ(parse_real(format_real(value)), value);
+  }
+  EXPECT_EQ(format_real(0.1), "0.1");
+  EXPECT_EQ(parse_real(format_real(std::numeric_limits<double>::denorm_min())),
+            std::numeric_limits<double>::denorm_min());
+}
+
+}  // namespace
+}  // namespace fathom
