@@ -1,13 +1,14 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <filesystem>
 #include <memory>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
 
 #include "core/progress.h"
 
@@ -24,9 +25,9 @@ struct Pose {
 
 /// What is known of one frame besides its pixels.
 struct FrameHeader {
-  std::optional<double> time_s;             ///< stamp of the image; empty where the file has none
-  std::string image_status;                 ///< as stored; empty where the file states none, which counts as OK
-  std::vector<std::optional<Pose>> poses;   ///< one for each of RecordingHeader::transforms; empty: not recorded here
+  std::optional<double> time_s;            ///< stamp of the image; empty where the file has none
+  std::string image_status;                ///< as stored; empty where the file states none, which counts as OK
+  std::vector<std::optional<Pose>> poses;  ///< one for each of RecordingHeader::transforms; empty: not recorded here
   std::vector<std::pair<std::string, std::string>> fields;  ///< every other field of the frame, kept as read
 
   bool image_valid() const { return image_status.empty() || image_status == "OK"; }
@@ -34,13 +35,13 @@ struct FrameHeader {
 
 /// What is known of a recording besides its pixels.
 struct RecordingHeader {
-  int width = 0;              ///< pixels; 0 in a recording of poses only
-  int height = 0;             ///< pixels; 0 in a recording of poses only
-  int pixel_type = 0;         ///< OpenCV's type: CV_8UC1, CV_8SC1, CV_16UC1, CV_16SC1, CV_32FC1, CV_64FC1, CV_8UC3 (RGB)
+  int width = 0;       ///< pixels; 0 in a recording of poses only
+  int height = 0;      ///< pixels; 0 in a recording of poses only
+  int pixel_type = 0;  ///< OpenCV's type: CV_8UC1, CV_8SC1, CV_16UC1, CV_16SC1, CV_32FC1, CV_64FC1, CV_8UC3 (RGB)
   std::vector<std::string> transforms;  ///< names as stored, without the suffix "Transform": "ProbeToTracker"
   std::vector<FrameHeader> frames;      ///< numbered from 0 as stored
   std::vector<std::pair<std::string, std::string>> fields;  ///< other header fields, kept as read
-  std::vector<std::string> warnings;    ///< what the reader had to assume, for the user
+  std::vector<std::string> warnings;                        ///< what the reader had to assume, for the user
 
   int frame_count() const { return static_cast<int>(frames.size()); }
   bool has_images() const { return width > 0 && height > 0; }
@@ -69,6 +70,8 @@ class Recording {
 
   /// Throws Error unless `frame` exists and has an image.
   void require_frame(int frame) const;
+  /// Throws Error with the recording's name before `what`.
+  [[noreturn]] void fail(const std::string& what) const;
 
   RecordingHeader header_;
   std::string name_;
@@ -78,6 +81,7 @@ class Recording {
 class MemoryRecording : public Recording {
  public:
   /// `images` is empty for a recording of poses only, else one image of the header's size and type for each frame.
+  /// Throws Error unless that is so and every frame has one (perhaps empty) pose for each transform.
   MemoryRecording(std::string name, RecordingHeader header, std::vector<cv::Mat> images);
   cv::Mat image(int frame) const override;
 
@@ -97,9 +101,11 @@ struct WriteOptions {
   bool compress = false;  ///< zlib; uncompressed files open faster, as they can be memory-mapped
 };
 
-/// Writes a recording in the format named by the extension of `path`: .mha, .mhd (with a .raw beside it) or .nrrd.
-/// Pixels in MF orientation; poses, times, statuses and other fields as in the header. One frame is held at a time.
-/// The file appears whole or not at all. Throws Error, Cancelled.
+/// Writes a recording in the format named by the extension of `path`: .mha, .mhd (with a .raw beside it, or .zraw where
+/// compressed) or .nrrd. Pixels in MF orientation; poses, times, statuses and other fields as in the header, except
+/// fields that say how another file was stored. One frame is held at a time. The file appears whole or not at all.
+/// Throws Error for another extension, for poses and times that could not be read back, and when the disk fails;
+/// Cancelled.
 void write_recording(const Recording& recording, const std::filesystem::path& path, const WriteOptions& options = {},
                      const Progress& progress = {});
 

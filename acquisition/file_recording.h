@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "acquisition/inflate_stream.h"
+#include "acquisition/pixel_source.h"
+#include "acquisition/recording.h"
+
+namespace fathom {
+
+/// A recording whose pixels stay in the file until they are asked for.
+class FileRecording : public Recording {
+ public:
+  /// Throws Error as open_recording does.
+  explicit FileRecording(const std::filesystem::path& path, const InflateOptions& options = {});
+  cv::Mat image(int frame) const override;
+
+ private:
+  FileRecording(std::string name, SequenceFile sequence, const InflateOptions& options);
+
+  std::unique_ptr<PixelSource> pixels_;
+};
+
+}  // namespace fathom

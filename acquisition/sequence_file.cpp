@@ -1,0 +1,107 @@
+#include "acquisition/sequence_file.h"
+
+#include <opencv2/core.hpp>
+
+#include "acquisition/header_text.h"
+#include "core/error.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr std::uint64_t kMostPixelsPerSide = 65535;
+constexpr std::uint64_t kMostFrameBytes = 256ull << 20;  // three of them at a time stay below 1 GB
+constexpr std::uint64_t kMostExpansion = 1032;           // of deflate: 258 bytes from two bits, plus the stream's frame
+constexpr std::uint64_t kExpansionSlack = 1 << 16;
+constexpr std::uint64_t kMostBytes = 1ull << 46;  // 64 TB: sums of sizes below it cannot overflow
+
+}  // namespace
+
+std::uint64_t frame_bytes(const RecordingHeader& header) {
+  return static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height) *
+         static_cast<std::uint64_t>(CV_ELEM_SIZE(header.pixel_type));
+}
+
+void set_image_format(RecordingHeader& header, const StatedSizes& sizes, int depth, const InputFile& file) {
+  if (sizes.channels != 1 && !(sizes.channels == 3 && depth == CV_8U)) {
+    file.fail("has pixels of " + std::to_string(sizes.channels) +
+              " channels of its type; only one channel, or three 8-bit channels, can be read");
+  }
+  if ((sizes.width == 0) != (sizes.height == 0)) {
+    file.fail("has images of " + std::to_string(sizes.width) + " x " + std::to_string(sizes.height) +
+              " pixels; the header is damaged");
+  }
+  if (sizes.width > kMostPixelsPerSide || sizes.height > kMostPixelsPerSide) {
+    file.fail("has images of " + std::to_string(sizes.width) + " x " + std::to_string(sizes.height) +
+              " pixels; at most " + std::to_string(kMostPixelsPerSide) + " a side can be read");
+  }
+  header.width = static_cast<int>(sizes.width);
+  header.height = static_cast<int>(sizes.height);
+  header.pixel_type = CV_MAKETYPE(depth, static_cast<int>(sizes.channels));
+  if (frame_bytes(header) > kMostFrameBytes) {
+    file.fail("has images of " + std::to_string(frame_bytes(header) >> 20) + " MB each; at most " +
+              std::to_string(kMostFrameBytes >> 20) + " MB can be read");
+  }
+}
+
+void set_orientation(SequenceFile& sequence, const std::optional<std::string>& text, const InputFile& file) {
+  if (!sequence.header.has_images()) return;
+  // PLUS writes XX where it does not know.
+  if (!text || text->empty() || equal_ignoring_case(*text, "XX") || equal_ignoring_case(*text, "XXX")) {
+    sequence.header.warnings.push_back(
+        "the file does not say how its images lie; assumed MF (x to the marked side, y away from the probe)");
+    return;
+  }
+  const auto orientation = parse_orientation(*text);
+  if (!orientation) {
+    file.fail("its images lie in orientation \"" + printable(*text) + "\"; only MF, MN, UF and UN can be read");
+  }
+  sequence.pixels.orientation = *orientation;
+}
+
+std::shared_ptr<const InputFile> open_pixel_file(const InputFile& header_file, std::string_view stated_name) {
+  const std::string shown = printable(stated_name);
+  if (stated_name.find('%') != std::string_view::npos || equal_ignoring_case(stated_name.substr(0, 4), "LIST")) {
+    header_file.fail("its pixels are spread over several files (\"" + shown + "\"); store them in one");
+  }
+  const std::filesystem::path name(stated_name);
+  bool leads_elsewhere = stated_name.empty() || name.is_absolute() ||
+                         stated_name.find('\\') != std::string_view::npos ||
+                         stated_name.find('\0') != std::string_view::npos;
+  for (const auto& part : name) leads_elsewhere = leads_elsewhere || part == "..";
+  if (leads_elsewhere) {
+    header_file.fail("names \"" + shown + "\" as the file with its pixels; it must be a plain name beside this file");
+  }
+  try {
+    return std::make_shared<InputFile>(header_file.path().parent_path() / name);
+  } catch (const Error& e) {
+    header_file.fail(std::string("the file with its pixels is missing or cannot be used: ") + e.what());
+  }
+}
+
+void check_pixel_storage(const SequenceFile& sequence, std::uint64_t frames) {
+  const PixelStorage& pixels = sequence.pixels;
+  const InputFile& file = *pixels.file;
+  const std::uint64_t one = frame_bytes(sequence.header);
+  if (frames > kMostBytes / one) file.fail("claims more pixels than any file can hold; the header is damaged");
+  const std::uint64_t all = frames * one;
+  if (pixels.offset > file.size()) file.fail("ends before its pixels; it was cut short: copy it again");
+  const std::uint64_t available = file.size() - pixels.offset;
+  if (!pixels.compressed_bytes) {
+    if (all > available) {
+      file.fail("holds " + std::to_string(available / one) + " of its " + std::to_string(frames) +
+                " frames; it was cut short: copy it again");
+    }
+    return;
+  }
+  if (*pixels.compressed_bytes > available) {
+    file.fail("holds " + std::to_string(available) + " of its " + std::to_string(*pixels.compressed_bytes) +
+              " compressed bytes; it was cut short: copy it again");
+  }
+  if (all > *pixels.compressed_bytes * kMostExpansion + kExpansionSlack) {
+    file.fail("claims " + std::to_string(all) + " bytes of pixels from " + std::to_string(*pixels.compressed_bytes) +
+              " compressed ones, which is not possible; the header is damaged");
+  }
+}
+
+}  // namespace fathom
