@@ -1,12 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <filesystem>
-#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <opencv2/core/types.hpp>
 
 namespace fathom {
 
@@ -29,7 +30,7 @@ struct Calibration {
 };
 
 /// Reads Fathom's JSON or a PLUS XML (the `Image` to `Probe` transform under CoordinateDefinitions or
-/// CalibrationResults; `probe_frame` names another target than `Probe`). The file's first bytes decide.
+/// CalibrationResults; `probe_frame` names another target to look for first). The file's first bytes decide.
 /// Throws Error when the file is damaged, has no such transform, or the transform is not finite, is singular, or does
 /// not look like millimetres per pixel.
 Calibration read_calibration(const std::filesystem::path& path, const std::optional<std::string>& probe_frame = {});

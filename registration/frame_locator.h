@@ -1,27 +1,23 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "acquisition/recording.h"
 #include "registration/calibration.h"
+#include "registration/pose_chain.h"
 
 namespace fathom {
-
-/// Names of the coordinates to work in, where the user chose them; else the calibration's, else "Probe" and
-/// "Reference" (where the recording has it, else "Tracker").
-struct FrameNames {
-  std::optional<std::string> probe;
-  std::optional<std::string> reference;
-};
 
 /// Where every pixel of a recording is: the one place where poses, calibration and latency come together.
 class FrameLocator {
  public:
-  /// Throws Error when the recording has no chain of transforms from the probe to the reference, or when the
-  /// calibration was made for another image size.
+  /// `names` go before the calibration's own. Throws Error when the recording has no chain of transforms from the
+  /// probe to the reference, when the calibration was made for another image size, when a pose is not rigid, or when
+  /// a latency is to be applied and the frames' time stamps are missing or do not increase.
   FrameLocator(const Recording& recording, const Calibration& calibration, const FrameNames& names = {});
 
   /// Maps pixels of `frame` (z = 0) to millimetres in reference coordinates. Empty where a pose that it needs is
