@@ -1,0 +1,131 @@
+#include "segmentation/contours.h"
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <tuple>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "segmentation/frame_list.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kFarOutside = 0.25;  // of the image's size
+
+// Recording and frame.
+using Place = std::pair<int, int>;
+
+void append(std::string& text, double value) {
+  assert(std::isfinite(value));
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  text.append(digits, end);
+}
+
+void append(std::string& text, const Eigen::Vector2d& point) {
+  text += '[';
+  append(text, point.x());
+  text += ", ";
+  append(text, point.y());
+  text += ']';
+}
+
+std::string entry_start(int frame, int recording) {
+  std::string text = "{\"frame\": " + std::to_string(frame);
+  if (recording != 0) text += ", \"recording\": " + std::to_string(recording);
+  return text;
+}
+
+// The structure's contours, extremities and marks, each on a line of its own, by recording and frame.
+std::vector<std::string> entries(const Structure& structure) {
+  std::vector<std::tuple<Place, std::size_t, std::string>> ordered;
+  const auto add = [&](int frame, int recording, std::string text) {
+    ordered.emplace_back(Place(recording, frame), ordered.size(), std::move(text));
+  };
+  for (const Contour& contour : structure.contours) {
+    std::string text = entry_start(contour.frame, contour.recording);
+    text += contour.closed ? ", \"closed\": true" : ", \"closed\": false";
+    if (contour.confidence) {
+      text += ", \"confidence\": ";
+      append(text, *contour.confidence);
+    }
+    text += ", \"points\": [";
+    for (std::size_t i = 0; i < contour.points_px.size(); ++i) {
+      if (i > 0) text += ", ";
+      append(text, contour.points_px[i]);
+    }
+    add(contour.frame, contour.recording, text + "]}");
+  }
+  for (const Extremity& extremity : structure.extremities) {
+    std::string text = entry_start(extremity.frame, extremity.recording) + ", \"point\": ";
+    append(text, extremity.point_px);
+    add(extremity.frame, extremity.recording, text + "}");
+  }
+  for (const AbsentMark& mark : structure.absent) {
+    add(mark.frame, mark.recording, entry_start(mark.frame, mark.recording) + ", \"absent\": true}");
+  }
+  std::sort(ordered.begin(), ordered.end());
+  std::vector<std::string> lines;
+  lines.reserve(ordered.size());
+  for (auto& [place, order, text] : ordered) lines.push_back(std::move(text));
+  return lines;
+}
+
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string contours_json(const std::vector<Structure>& structures) {
+  std::string text = "{\"fathom_contours\": 1, \"structures\": [";
+  for (std::size_t i = 0; i < structures.size(); ++i) {
+    const Structure& structure = structures[i];
+    text += i > 0 ? ",\n" : "\n";
+    text += "{\"name\": " + quoted(structure.name) + ", \"color\": " + quoted(structure.color) + ", \"contours\": [";
+    const std::vector<std::string> lines = entries(structure);
+    for (std::size_t k = 0; k < lines.size(); ++k) text += (k > 0 ? ",\n  " : "\n  ") + lines[k];
+    text += "]}";
+  }
+  return text + "\n]}\n";
+}
+
+void require_frames(const std::vector<Structure>& structures, int frame_count, const std::string& file) {
+  for (const Structure& structure : structures) {
+    const auto require = [&](int frame, int recording) {
+      if (recording != 0 || (frame >= 0 && frame < frame_count)) return;
+      throw Error(file + ": structure " + structure.name + ": frame " + std::to_string(frame) +
+                  " is not in the recording, which has " + std::to_string(frame_count) +
+                  " frames, numbered from 0; give the contours that were drawn on this recording");
+    };
+    for (const Contour& contour : structure.contours) require(contour.frame, contour.recording);
+    for (const AbsentMark& mark : structure.absent) require(mark.frame, mark.recording);
+    for (const Extremity& extremity : structure.extremities) require(extremity.frame, extremity.recording);
+  }
+}
+
+std::optional<std::string> outside_image_warning(const Structure& structure, int width, int height) {
+  const Eigen::Array2d size(width, height);
+  const auto far_outside = [&](const Eigen::Vector2d& point) {
+    return (point.array() < -kFarOutside * size).any() || (point.array() > (1.0 + kFarOutside) * size).any();
+  };
+  std::vector<int> frames;
+  for (const Contour& contour : structure.contours) {
+    if (std::any_of(contour.points_px.begin(), contour.points_px.end(), far_outside)) frames.push_back(contour.frame);
+  }
+  for (const Extremity& extremity : structure.extremities) {
+    if (far_outside(extremity.point_px)) frames.push_back(extremity.frame);
+  }
+  if (frames.empty()) return std::nullopt;
+  return "the outlines of " + frame_list(std::move(frames)) +
+         " reach far out of the image; check that they were drawn on this recording";
+}
+
+}  // namespace fathom

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace fathom {
 
@@ -17,7 +18,7 @@ struct Contour {
   Polygon points_px;   ///< MF orientation; at least three
   bool closed = true;  ///< false: the ends are not joined (they lie where another sweep sees the organ better)
   std::optional<double> confidence;  ///< in [0, 1]; empty for a contour that a person drew
-  int recording = 0;   ///< index in the exam
+  int recording = 0;                 ///< index in the exam
 };
 
 /// A frame on which the structure was looked for and is not there.
@@ -43,8 +44,9 @@ struct Structure {
 };
 
 /// Reads a contours file (docs/file-formats.md). Throws Error when it is damaged: wrong types, points that are not
-/// finite or farther than 1e6 pixels away, fewer than three points, negative frames, names used twice, a frame both
-/// outlined and marked absent.
+/// finite or farther than 1e6 pixels away, fewer than three or more than 1e6 points, negative frames, names used
+/// twice, a colour that is not "#rrggbb", a frame both outlined and marked absent or as an extremity; or when it holds
+/// more than 6 million values (2 million points). Keys that it does not know are passed over.
 std::vector<Structure> read_contours(const std::filesystem::path& path);
 
 /// The text of a contours file, frames ascending; reads back as the same structures.
@@ -53,5 +55,9 @@ std::string contours_json(const std::vector<Structure>& structures);
 /// Throws Error when a contour stands on a frame that a recording of `frame_count` frames does not have. `file` is
 /// the contours file, for the message.
 void require_frames(const std::vector<Structure>& structures, int frame_count, const std::string& file);
+
+/// A warning for the user where outlines reach farther out of the image than a quarter of its size: they may have been
+/// drawn on another recording. Allowed, since an organ may be larger than the image. `width` and `height` in pixels.
+std::optional<std::string> outside_image_warning(const Structure& structure, int width, int height);
 
 }  // namespace fathom

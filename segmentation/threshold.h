@@ -1,7 +1,8 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <vector>
+
+#include <opencv2/core/mat.hpp>
 
 #include "segmentation/contours.h"
 
@@ -9,9 +10,9 @@ namespace fathom {
 
 /// Which closed lines to keep of those that a threshold gives.
 struct ThresholdOptions {
-  double threshold = 127.5;     ///< pixels at or above it are inside
-  double min_area_px = 4.0;     ///< smaller outlines and smaller holes are dropped as noise; 0 keeps all
-  bool below = false;           ///< inside is below the threshold instead
+  double threshold = 127.5;  ///< pixels at or above it are inside
+  double min_area_px = 4.0;  ///< smaller outlines and smaller holes are dropped as noise; 0 keeps all
+  bool below = false;        ///< inside is below the threshold instead
 
   /// Throws Error when a value is not finite or negative.
   void check() const;
