@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "registration/frame_locator.h"
 #include "segmentation/contours.h"
@@ -13,12 +14,14 @@ namespace fathom {
 /// The contours of one structure on one frame, in space.
 struct CrossSection {
   int frame = 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();           ///< unit; image x cross image y, whichever way drawn
-  Eigen::Vector3d vector_area_mm2 = Eigen::Vector3d::Zero();   ///< along `normal`, holes subtracted; zero at an extremity
-  Eigen::Vector3d centroid_mm = Eigen::Vector3d::Zero();       ///< in reference coordinates, weighted by area
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit; image x cross image y, whichever way drawn
+  Eigen::Vector3d vector_area_mm2 =
+      Eigen::Vector3d::Zero();                            ///< along `normal`, holes subtracted; zero at an extremity
+  Eigen::Vector3d centroid_mm = Eigen::Vector3d::Zero();  ///< in reference coordinates, weighted by area
 };
 
-/// Area in pixels squared, never negative, and centroid in pixels of polygons that combine by even-odd.
+/// Area in pixels squared, never negative, and centroid in pixels of polygons that combine by even-odd. They have no
+/// `outline_fault` (segmentation/outline_topology.h). Without an area the centroid is the mean of the points.
 struct PlaneArea {
   double area_px2 = 0.0;
   Eigen::Vector2d centroid_px = Eigen::Vector2d::Zero();
@@ -26,9 +29,11 @@ struct PlaneArea {
 PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons);
 
 /// Cross-sections of a structure in the order of its frames, one for each frame with closed contours or an extremity.
+/// `warnings`, if any, is added to.
 ///
 /// Frames whose pose is unknown are left out and named in `warnings`. Throws Error when a contour stands on a frame
-/// that the recording does not have, crosses itself, or is open.
+/// that the recording does not have or on another recording of an exam, crosses itself or another one of its frame,
+/// or is open, and when an extremity's frame is outlined too.
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings);
 

@@ -12,20 +12,28 @@ namespace fathom {
 /// Volumes by every method of planimetry; empty where a method has no answer. Millilitres, never negative.
 struct PlanimetryVolumes {
   std::optional<double> linear_ml;
-  std::optional<double> cubic_ml;     ///< in the 2D representation; the number to quote
+  std::optional<double> cubic_ml;  ///< in the 2D representation; the number to quote
   std::optional<double> cubic_3d_ml;
 };
 
+/// The point that cubic planimetry makes up beyond each end of a sweep, where p2 is the end and p3, p4 lie inwards.
+enum class SplineEnd {
+  kRepeat,   ///< p1 = p3, as in Treece 2000, figure 2.6, third choice
+  kContinue  ///< p1 = 3 p2 - 3 p3 + p4, which keeps the curvature: exact for quadrics cut by parallel planes
+};
+
 /// The volume enclosed by a sequence of cross-sections in scan order, in millimetres. Each of the three throws Error
-/// when fewer than two sections are given, a value is not finite, or the end planes do not face the object in the
-/// same sense (`same_sense`). With two sections all three are the trapezoid.
+/// when fewer than two sections are given, none has an area, a value is not finite, or the end planes do not face the
+/// object in the same sense (`same_sense`). With two sections all three are the trapezoid. None depends on the end
+/// that the sweep is read from.
 /// Treece 2000, section 2.2: equation (2.2); (2.3), (2.7), (B.4), (B.5); and (2.1) with cubic s and omega.
 double linear_planimetry_ml(std::span<const CrossSection> sections);
-double cubic_planimetry_ml(std::span<const CrossSection> sections);
-double cubic_planimetry_3d_ml(std::span<const CrossSection> sections);
+double cubic_planimetry_ml(std::span<const CrossSection> sections, SplineEnd end = SplineEnd::kRepeat);
+double cubic_planimetry_3d_ml(std::span<const CrossSection> sections, SplineEnd end = SplineEnd::kRepeat);
 
-/// Whether the first and last planes face the object in the same sense, without which (2.1) has no meaning: a
-/// rotational sweep does not.
+/// Whether the first and last planes face the object in the same sense, without which (2.1) has no meaning: they do
+/// not after half a turn about the object, nor in a sweep that ends where it began. `sections` are at least two, with
+/// finite values.
 bool same_sense(std::span<const CrossSection> sections);
 
 /// The volume of one structure, with everything the user must know about it.
@@ -35,7 +43,9 @@ struct VolumeMeasurement {
   std::vector<std::string> warnings;  ///< one section only, a sweep that turns back, a rotational sweep, ...
 };
 
-/// Measures by all methods. Never throws for a sweep that has no volume: says why in `warnings` instead.
+/// Measures by all methods. Never throws for a sweep that has no volume: says why in `warnings` instead. More is
+/// refused than by the single methods: also a rotational sweep by less than half a turn, whose end planes cross in
+/// the middle of the object.
 VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections);
 
 }  // namespace fathom
