@@ -1,0 +1,207 @@
+#include "exam/report_picture.h"
+
+#include <algorithm>
+#include <map>
+#include <span>
+
+#include <Eigen/Eigenvalues>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr int kPane = 900;  // pixels, side of each of the two panes
+constexpr int kMargin = 40;
+constexpr int kLine = 30;     // height of a caption
+constexpr int kFraction = 4;  // bits of sub-pixel precision of OpenCV's drawing
+const cv::Scalar kBackground(24, 17, 13);
+const cv::Scalar kPost(92, 80, 70);
+const cv::Scalar kText(225, 220, 215);
+const cv::Scalar kHighlight(70, 180, 255);
+
+cv::Scalar color_of(const Structure& structure) {
+  const unsigned long rgb = std::stoul(structure.color.substr(1), nullptr, 16);
+  return {static_cast<double>(rgb & 0xff), static_cast<double>(rgb >> 8 & 0xff), static_cast<double>(rgb >> 16)};
+}
+
+std::vector<cv::Point> fixed_point(std::span<const Eigen::Vector2d> points) {
+  std::vector<cv::Point> fixed;
+  for (const Eigen::Vector2d& point : points) {
+    fixed.emplace_back(cvRound(std::ldexp(point.x(), kFraction)), cvRound(std::ldexp(point.y(), kFraction)));
+  }
+  return fixed;
+}
+
+void draw_polyline(cv::Mat& canvas, std::span<const Eigen::Vector2d> points, bool closed, const cv::Scalar& color,
+                   int thickness) {
+  cv::polylines(canvas, std::vector{fixed_point(points)}, closed, color, thickness, cv::LINE_AA, kFraction);
+}
+
+void draw_text(cv::Mat& canvas, const std::string& text, int x, int y) {
+  cv::putText(canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.62, kText, 1, cv::LINE_AA);
+}
+
+// The largest grey value becomes white, the smallest black, if the image is not of 8 bits already.
+cv::Mat display_image(const cv::Mat& image) {
+  cv::Mat grey = image;
+  if (image.depth() != CV_8U) cv::normalize(image, grey, 0, 255, cv::NORM_MINMAX, CV_8U);
+  cv::Mat color;
+  cv::cvtColor(grey, color, grey.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_GRAY2BGR);
+  return color;
+}
+
+void draw_frame(cv::Mat& pane, const cv::Mat& image, const std::vector<Structure>& structures, int frame) {
+  const double scale = std::min((pane.cols - 2.0 * kMargin) / image.cols, (pane.rows - 2.0 * kMargin) / image.rows);
+  const Eigen::Vector2d origin(0.5 * (pane.cols - scale * image.cols), 0.5 * (pane.rows - scale * image.rows));
+  cv::Mat enlarged;
+  cv::resize(display_image(image), enlarged, {}, scale, scale, cv::INTER_LINEAR);
+  const cv::Rect place(cv::Point(cvRound(origin.x()), cvRound(origin.y())), enlarged.size());
+  enlarged.convertTo(pane(place), -1, 0.75);  // dimmed, so that the contour stands out on white
+  cv::rectangle(pane, place, kPost, 1);
+  for (const Structure& structure : structures) {
+    for (const Contour& contour : structure.contours) {
+      if (contour.frame != frame) continue;
+      Polygon drawn;
+      for (const Eigen::Vector2d& point : contour.points_px) {
+        drawn.push_back(origin + scale * (point + Eigen::Vector2d(0.5, 0.5)));
+      }
+      draw_polyline(pane, drawn, contour.closed, color_of(structure), 2);
+    }
+  }
+}
+
+// A contour or the goal post of a frame, in space.
+struct SpaceLine {
+  std::vector<Eigen::Vector3d> points;
+  cv::Scalar color;
+  bool closed = false;
+  bool filled = false;
+  int thickness = 1;
+};
+
+// Right, down and away from the viewer: the long axis of the points lies across, seen obliquely from above.
+Eigen::Matrix3d view_of(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) mean += point / static_cast<double>(points.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points) spread += (point - mean) * (point - mean).transpose();
+  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+  Eigen::Matrix3d view;
+  view << axes.col(2).transpose(), axes.col(1).transpose(), axes.col(2).cross(axes.col(1)).transpose();
+  return Eigen::AngleAxisd(-0.45, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.65, Eigen::Vector3d::UnitY()) * view;
+}
+
+double round_length_mm(double up_to) {
+  double length = std::pow(10.0, std::floor(std::log10(up_to)));
+  for (const double step : {5.0, 2.0}) {
+    if (length * step <= up_to) return length * step;
+  }
+  return length;
+}
+
+void draw_space(cv::Mat& pane, std::vector<SpaceLine> lines, const Eigen::Matrix3d& view) {
+  const auto depth = [&view](const SpaceLine& line) {
+    double sum = 0.0;
+    for (const Eigen::Vector3d& point : line.points) sum += view.row(2).dot(point);
+    return sum / static_cast<double>(line.points.size());
+  };
+  std::stable_sort(lines.begin(), lines.end(),
+                   [&depth](const SpaceLine& a, const SpaceLine& b) { return depth(a) > depth(b); });
+  Eigen::AlignedBox2d box;
+  for (const SpaceLine& line : lines) {
+    for (const Eigen::Vector3d& point : line.points) box.extend((view * point).head<2>());
+  }
+  const double free = kPane - 2.0 * kMargin;
+  const double scale = free / std::max(box.sizes().maxCoeff(), 1e-6);  // pixels per millimetre
+  const Eigen::Vector2d centre(0.5 * pane.cols, 0.5 * pane.rows);
+  for (const SpaceLine& line : lines) {
+    Polygon drawn;
+    for (const Eigen::Vector3d& point : line.points) {
+      drawn.push_back(centre + scale * ((view * point).head<2>() - box.center()));
+    }
+    if (line.filled) {
+      cv::Mat over = pane.clone();
+      cv::fillPoly(over, std::vector{fixed_point(drawn)}, line.color, cv::LINE_AA, kFraction);
+      cv::addWeighted(over, 0.18, pane, 0.82, 0.0, pane);
+    }
+    draw_polyline(pane, drawn, line.closed, line.color, line.thickness);
+  }
+  const double bar_mm = round_length_mm(0.25 * free / scale);
+  const cv::Point start(kMargin, pane.rows - kMargin);
+  cv::line(pane, start, start + cv::Point(cvRound(bar_mm * scale), 0), kText, 2, cv::LINE_AA);
+  draw_text(pane, cv::format("%g mm", bar_mm), start.x, start.y - 12);
+}
+
+std::vector<SpaceLine> lines_in_space(const RecordingHeader& header, const FrameLocator& locator,
+                                      const std::vector<Structure>& structures, int frame) {
+  std::vector<SpaceLine> lines;
+  std::map<int, bool> posts;
+  for (const Structure& structure : structures) {
+    for (const Contour& contour : structure.contours) {
+      const auto reference_from_image = locator.reference_from_image(contour.frame);
+      if (!reference_from_image) continue;
+      SpaceLine line{{}, color_of(structure), contour.closed, contour.closed, 1};
+      if (contour.frame == frame) {
+        line.color = kHighlight;
+        line.thickness = 3;
+      }
+      for (const Eigen::Vector2d& point : contour.points_px) {
+        line.points.push_back(*reference_from_image * Eigen::Vector3d(point.x(), point.y(), 0.0));
+      }
+      lines.push_back(std::move(line));
+      posts[contour.frame] = true;
+    }
+  }
+  for (const auto& [outlined, drawn] : posts) {
+    // Open at the probe's side, so that it is seen which way the probe looked.
+    const Eigen::Affine3d reference_from_image = *locator.reference_from_image(outlined);
+    const double right = header.width - 1.0, bottom = header.height - 1.0;
+    SpaceLine post{{}, outlined == frame ? kHighlight : kPost, false, false, 1};
+    for (const Eigen::Vector3d& corner : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, bottom, 0),
+                                          Eigen::Vector3d(right, bottom, 0), Eigen::Vector3d(right, 0, 0)}) {
+      post.points.push_back(reference_from_image * corner);
+    }
+    lines.push_back(std::move(post));
+  }
+  return lines;
+}
+
+}  // namespace
+
+cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
+                       const std::vector<Structure>& structures, int frame, const std::vector<std::string>& captions) {
+  const cv::Mat image = recording.image(frame);
+  std::vector<SpaceLine> lines = lines_in_space(recording.header(), locator, structures, frame);
+  std::vector<Eigen::Vector3d> outlined;
+  for (const SpaceLine& line : lines) {
+    if (line.closed) outlined.insert(outlined.end(), line.points.begin(), line.points.end());
+  }
+  if (outlined.empty()) throw Error(recording.name() + ": no outlined frame has a known pose; nothing to picture");
+
+  const int caption_height = kMargin + kLine * static_cast<int>(captions.size());
+  cv::Mat canvas(kPane + caption_height, 2 * kPane, CV_8UC3, kBackground);
+  cv::Mat left = canvas(cv::Rect(0, 0, kPane, kPane));
+  cv::Mat right = canvas(cv::Rect(kPane, 0, kPane, kPane));
+  draw_frame(left, image, structures, frame);
+  draw_space(right, std::move(lines), view_of(outlined));
+  draw_text(left, "frame " + std::to_string(frame), kMargin, kMargin - 12);
+  for (std::size_t i = 0; i < captions.size(); ++i) {
+    draw_text(canvas, captions[i], kMargin, kPane + kLine * static_cast<int>(i + 1));
+  }
+  return canvas;
+}
+
+void write_png(const cv::Mat& picture, const std::filesystem::path& path) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", picture, bytes);
+  AtomicFile file(path);
+  file.write(std::as_bytes(std::span(bytes)));
+  file.commit();
+}
+
+}  // namespace fathom
