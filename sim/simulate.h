@@ -13,17 +13,20 @@ namespace fathom {
 
 /// A scan of an object of known volume with a simulated probe and tracker.
 struct SimulateOptions {
+  /// 13 minutes at 25 frames a second; the true outlines of all are held in memory, 5 kB a frame.
+  static constexpr int kMaxFrames = 20000;
+
   std::string object = "sphere";   ///< one of object_names()
   std::string pattern = "linear";  ///< one of pattern_names()
-  int frames = 20;                 ///< at least 1
+  int frames = 20;                 ///< 1 to kMaxFrames
   std::uint64_t seed = 1;          ///< the same seed gives the same bytes
   double jitter_mm = 0.0;          ///< unsteady hand, before the scan: uniform in +- on each of three axes
   double jitter_deg = 0.0;         ///< the same for azimuth, elevation and roll
   double misregister_mm = 0.0;     ///< errors of the recorded poses, after the scan: uniform in +- on each axis
   double misregister_deg = 0.0;
-  double noise_mm = 0.0;           ///< tracker noise, Gaussian: 3D rms in position
-  double noise_deg = 0.0;          ///< 3D rms in orientation
-  double latency_s = 0.0;          ///< the tracker's stamps lag the image's by this much
+  double noise_mm = 0.0;   ///< tracker noise, Gaussian: 3D rms in position
+  double noise_deg = 0.0;  ///< 3D rms in orientation
+  double latency_s = 0.0;  ///< the tracker's stamps lag the image's by this much
 
   /// Throws Error, naming what there is to choose from, when a value is out of range.
   void check() const;
@@ -45,7 +48,7 @@ struct SimulatedScan {
   std::unique_ptr<Recording> recording;  ///< B-scans are made when asked for: 255 inside the object, 0 outside
   Calibration calibration;               ///< the true one, latency included
   SimulatedTruth truth;
-  std::vector<Structure> outlines;       ///< true outlines, not thresholded; extremities where a plane only touches
+  std::vector<Structure> outlines;  ///< true outlines, not thresholded; extremities where a plane only touches
 };
 
 /// Throws Error as SimulateOptions::check.

@@ -1,0 +1,123 @@
+#include "sim/probe_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/random.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kRadian = std::numbers::pi / 180.0;
+constexpr double kFrameRate_hz = 25.0;
+constexpr double kFirstTime_s = 3.52;  // a recording seldom starts with the clock
+constexpr double kSensorDistance_mm = 100.0;
+constexpr double kLoneFrameStep = 0.05;  // of the path, per frame, where a single frame gives no step
+
+// Every disturbance has random numbers of its own, so that switching one on leaves the others as they were.
+enum class Stream : std::uint64_t { kJitter = 1, kMisregistration = 2, kNoise = 3 };
+
+Random random_stream(std::uint64_t seed, Stream stream) {
+  constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15u;  // 2^64 / golden ratio: far apart for neighbouring streams
+  return Random(seed ^ (static_cast<std::uint64_t>(stream) * kSpread));
+}
+
+/// A disturbance of each frame, uniform in +- on three axes and three angles.
+std::vector<ScanPlane> uniform_planes(Random random, int count, double mm, double deg) {
+  std::vector<ScanPlane> planes(static_cast<std::size_t>(count));
+  for (ScanPlane& plane : planes) {
+    for (int axis = 0; axis < 3; ++axis) plane.position_mm[axis] = random.uniform(-1.0, 1.0) * mm;
+    plane.azimuth_rad = random.uniform(-1.0, 1.0) * deg * kRadian;
+    plane.elevation_rad = random.uniform(-1.0, 1.0) * deg * kRadian;
+    plane.roll_rad = random.uniform(-1.0, 1.0) * deg * kRadian;
+  }
+  return planes;
+}
+
+/// The disturbance at a time between frames, `at` counted in frames.
+ScanPlane between(const std::vector<ScanPlane>& planes, double at) {
+  const double last = static_cast<double>(planes.size() - 1);
+  const double bounded = std::clamp(at, 0.0, last);
+  const double before = std::floor(bounded);
+  const auto i = static_cast<std::size_t>(before);
+  if (bounded == before) return planes[i];
+  return planes[i] * (1.0 - (bounded - before)) + planes[i + 1] * (bounded - before);
+}
+
+Eigen::Vector3d gaussian_vector(Random& random, double rms) {
+  Eigen::Vector3d vector;
+  for (int axis = 0; axis < 3; ++axis) vector[axis] = random.normal();
+  return vector * (rms / std::sqrt(3.0));
+}
+
+Eigen::Isometry3d placed(const Eigen::Vector3d& turn_rad, const Eigen::Vector3d& place_mm) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized()).toRotationMatrix();
+  pose.translation() = place_mm;
+  return pose;
+}
+
+}  // namespace
+
+Calibration simulated_calibration(const Phantom& phantom, double latency_s) {
+  const Eigen::Matrix3d turn = placed({0.31, -1.12, 0.64}, Eigen::Vector3d::Zero()).linear();
+  const Eigen::Vector3d scale(phantom.pixel_mm.x(), phantom.pixel_mm.y(), phantom.pixel_mm.mean());
+  const Eigen::Vector3d centre_px((kImageSize.width - 1) / 2.0, (kImageSize.height - 1) / 2.0, 0.0);
+  const Eigen::Vector3d centre_mm = kSensorDistance_mm * Eigen::Vector3d(0.28, -0.36, 0.89).normalized();
+
+  Calibration calibration;
+  calibration.probe_from_image.linear() = turn * scale.asDiagonal();
+  calibration.probe_from_image.translation() = centre_mm - calibration.probe_from_image.linear() * centre_px;
+  calibration.latency_s = latency_s;
+  calibration.probe_frame = "Probe";
+  calibration.reference_frame = "Reference";
+  calibration.image_size = kImageSize;
+  calibration.depth_mm = kImageSize.height * phantom.pixel_mm.y();
+  calibration.probe = "simulated";
+  return calibration;
+}
+
+ProbeMotion move_probe(const ScanPath& path, const Phantom& phantom, const Calibration& calibration,
+                       const SimulateOptions& options) {
+  const std::vector<ScanPlane> jitter = uniform_planes(random_stream(options.seed, Stream::kJitter), options.frames,
+                                                       options.jitter_mm, options.jitter_deg);
+  const std::vector<ScanPlane> misregistration =
+      uniform_planes(random_stream(options.seed, Stream::kMisregistration), options.frames, options.misregister_mm,
+                     options.misregister_deg);
+  Random noise = random_stream(options.seed, Stream::kNoise);
+
+  const auto plane_at = [&](double frame) {
+    const double u = options.frames > 1 ? frame / (options.frames - 1) : 0.5 + frame * kLoneFrameStep;
+    return path.at(u) + between(jitter, frame);
+  };
+
+  ProbeMotion motion;
+  motion.tracker_from_reference = placed({-0.42, 0.23, 0.91}, {118.0, -342.0, 251.0});
+  const Eigen::Isometry3d reference_from_phantom = placed({0.17, 0.36, -0.52}, {31.0, -18.0, 147.0});
+  const Eigen::Isometry3d tracker_from_phantom = motion.tracker_from_reference * reference_from_phantom;
+  const Eigen::Affine3d image_from_probe = calibration.probe_from_image.inverse();
+
+  for (int frame = 0; frame < options.frames; ++frame) {
+    motion.times_s.push_back(kFirstTime_s + frame / kFrameRate_hz);
+    motion.phantom_from_image.push_back(path.phantom_from_image(plane_at(frame), phantom.pixel_mm));
+
+    const ScanPlane seen =
+        options.latency_s == 0.0 ? plane_at(frame) : plane_at(frame - options.latency_s * kFrameRate_hz);
+    const ScanPlane recorded = seen + misregistration[static_cast<std::size_t>(frame)];
+    Eigen::Isometry3d pose((tracker_from_phantom.matrix() *
+                            path.phantom_from_image(recorded, phantom.pixel_mm).matrix() * image_from_probe.matrix())
+                               .eval());
+    const Eigen::Vector3d shift = gaussian_vector(noise, options.noise_mm);
+    const Eigen::Vector3d turn = gaussian_vector(noise, options.noise_deg * kRadian);
+    pose.translation() += shift;
+    if (turn.norm() > 0.0) {
+      pose.linear() = (pose.linear() * Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()).eval();
+    }
+    motion.tracker_from_probe.push_back(pose);
+  }
+  return motion;
+}
+
+}  // namespace fathom

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "registration/calibration.h"
+#include "sim/scan_path.h"
+#include "sim/simulate.h"
+
+namespace fathom {
+
+/// A scan's planes as they were and as the tracker reports them, frame by frame.
+struct ProbeMotion {
+  std::vector<double> times_s;
+  std::vector<Eigen::Affine3d> phantom_from_image;    ///< true
+  std::vector<Eigen::Isometry3d> tracker_from_probe;  ///< recorded: misregistered, noisy, late
+  Eigen::Isometry3d tracker_from_reference;           ///< the same for every frame, and exact
+};
+
+/// The simulated probe's own calibration: turned, 100 mm from the sensor to the image's centre, image x and y scaled by
+/// the phantom's pixels. `latency_s` is copied.
+Calibration simulated_calibration(const Phantom& phantom, double latency_s);
+
+/// Moves the probe along `path`, equal steps in time. Jitter displaces the true planes, in between frames by linear
+/// interpolation; what the tracker stamps t is the pose at t - latency_s, for which the path goes on beyond its ends.
+/// `options` are checked.
+ProbeMotion move_probe(const ScanPath& path, const Phantom& phantom, const Calibration& calibration,
+                       const SimulateOptions& options);
+
+}  // namespace fathom
