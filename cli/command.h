@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace fathom {
+
+/// Each adds one sub-command to the program; the command runs when the line was parsed. What it throws ends the
+/// program: Error with status 1.
+void add_convert(CLI::App& app);
+void add_demo(CLI::App& app);
+void add_info(CLI::App& app);
+void add_measure(CLI::App& app);
+void add_segment(CLI::App& app);
+void add_simulate(CLI::App& app);
+
+}  // namespace fathom

@@ -1,0 +1,51 @@
+#include <iostream>
+#include <memory>
+
+#include "acquisition/recording.h"
+#include "cli/command.h"
+#include "cli/options.h"
+#include "cli/output.h"
+#include "exam/results.h"
+#include "segmentation/outline_topology.h"
+
+namespace fathom {
+
+namespace {
+
+struct MeasureOptions {
+  std::string recording;
+  std::string calibration;
+  std::string contours;
+  FrameNames names;
+  bool json = false;
+};
+
+void run(const MeasureOptions& options) {
+  const auto recording = open_recording(options.recording);
+  const Calibration calibration = read_calibration(options.calibration, options.names.probe);
+  const std::vector<Structure> structures = read_contours(options.contours);
+  require_frames(structures, recording->header().frame_count(), options.contours);
+  require_simple_outlines(structures, options.contours);
+  const FrameLocator locator(*recording, calibration, options.names);
+  const std::vector<StructureResult> results = measure_structures(structures, *recording, locator);
+  if (options.json) {
+    print_json(results_json(results));
+  } else {
+    print_results(results);
+  }
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app) {
+  auto options = std::make_shared<MeasureOptions>();
+  CLI::App* command = app.add_subcommand("measure", "Give the volume of every outlined structure by every method");
+  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
+  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
+  command->add_option("--contours", options->contours, "The contours file")->required();
+  add_frame_names(*command, options->names);
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace fathom

@@ -1,0 +1,87 @@
+#include "cli/output.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+
+#include <unistd.h>
+
+namespace fathom {
+
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+constexpr int kBarColumns = 40;
+
+}  // namespace
+
+void print_json(const nlohmann::ordered_json& json) {
+  // Names from files may hold bytes that are not UTF-8; they are replaced, so that the output is always JSON.
+  std::cout << json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+}
+
+void print_table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string padding(widths[i] - row[i].size(), ' ');
+      line += (i == 0 ? "" : "  ") + (i == 0 ? row[i] + padding : padding + row[i]);
+    }
+    while (line.ends_with(' ')) line.pop_back();
+    std::cout << line << "\n";
+  }
+}
+
+std::string number_text(const std::optional<double>& value, int decimals) {
+  if (!value) return "-";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, *value);
+  return text;
+}
+
+void print_results(const std::vector<StructureResult>& results) {
+  std::vector<std::vector<std::string>> rows{{"structure", "sections", "linear (ml)", "cubic (ml)", "cubic 3D (ml)"}};
+  for (const StructureResult& result : results) {
+    const PlanimetryVolumes& volumes = result.measurement.volumes;
+    rows.push_back({result.name, std::to_string(result.measurement.sections), number_text(volumes.linear_ml, 2),
+                    number_text(volumes.cubic_ml, 2), number_text(volumes.cubic_3d_ml, 2)});
+  }
+  print_table(rows);
+  for (const StructureResult& result : results) {
+    for (const std::string& warning : result.measurement.warnings) {
+      std::cout << "warning: " << result.name << ": " << warning << "\n";
+    }
+  }
+}
+
+Progress progress_bar(const std::string& what) {
+  const bool visible = ::isatty(STDERR_FILENO) != 0;
+  return [what, visible, drawn = -1](double fraction) mutable {
+    const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kBarColumns);
+    if (visible && filled != drawn) {
+      drawn = filled;
+      const std::string bar = std::string(static_cast<std::size_t>(filled), '=') +
+                              std::string(static_cast<std::size_t>(kBarColumns - filled), ' ');
+      // The finished bar makes room for what the command prints.
+      std::cerr << (filled == kBarColumns ? "\r\033[K" : "\r" + what + " [" + bar + "]") << std::flush;
+    }
+    return interrupted == 0;
+  };
+}
+
+void catch_interrupts() {
+  const auto note = [](int) { interrupted = 1; };
+  std::signal(SIGINT, note);
+  std::signal(SIGTERM, note);
+  // A file that grows beyond what the user may write is an error to report, not a reason to die.
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+}  // namespace fathom

@@ -1,0 +1,59 @@
+#include <iostream>
+#include <memory>
+
+#include "acquisition/recording.h"
+#include "cli/command.h"
+#include "cli/options.h"
+#include "cli/output.h"
+#include "core/text_file.h"
+#include "segmentation/threshold_recording.h"
+
+namespace fathom {
+
+namespace {
+
+struct SegmentCommand {
+  std::string recording;
+  std::string out;
+  ThresholdRecordingOptions segment;
+  bool json = false;
+};
+
+void run(const SegmentCommand& command) {
+  const auto recording = open_recording(command.recording);
+  const Structure structure = segment_by_threshold(*recording, command.segment, progress_bar("outlining"));
+  write_text_file(command.out, contours_json({structure}));
+  const auto frames = outlined_frames(structure);
+  if (command.json) {
+    print_json({{"contours", structure.contours.size()}, {"frames", frames}});
+  } else {
+    std::cout << "outlined " << structure.name << " by " << structure.contours.size() << " contours on " << frames
+              << " frames, to " << command.out << "\n";
+  }
+}
+
+}  // namespace
+
+void add_segment(CLI::App& app) {
+  auto options = std::make_shared<SegmentCommand>();
+  ThresholdRecordingOptions& segment = options->segment;
+  CLI::App* command = app.add_subcommand("segment", "Outline a structure on the frames of a recording");
+  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
+  command->add_option("--threshold", segment.threshold.threshold, "Pixels from this grey value on are inside")
+      ->required();
+  command->add_flag("--below", segment.threshold.below, "Inside is below the threshold");
+  command
+      ->add_option("--min-area-px", segment.threshold.min_area_px, "Drop outlines and holes of smaller area, in pixels")
+      ->check(at_least(0))
+      ->capture_default_str();
+  command->add_option("--structure", segment.structure, "Name of the structure")->capture_default_str();
+  command->add_option("--every", segment.every, "Outline every N-th frame")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_flag("--ends", segment.ends, "Outline also the first and the last frame that show the structure");
+  command->add_option("--out", options->out, "The contours file to write")->required();
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace fathom
