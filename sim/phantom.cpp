@@ -31,7 +31,7 @@ std::unique_ptr<Solid> make_hat() {
          .length_mm = 15.29,
          .half_angle_rad = 16.0 * kRadian});
   }
-  return make_spiked_ball({0.0, 0.0, -2.54}, 4.95, std::move(horns));
+  return make_spiked_ball({0.0, 0.0, -2.49}, 5.05, std::move(horns));
 }
 
 /// An adult's kidney, 114 x 60 x 47 mm, lying along x, its hilum towards +z.

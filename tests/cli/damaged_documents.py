@@ -1,0 +1,175 @@
+"""Damaged calibrations and contours, made from good ones. Each case: a name and the content of the file."""
+
+import json
+
+DEEP = 200_000
+HUGE_BYTES = 40_000_000
+
+
+def without(document, key):
+    return {k: v for k, v in document.items() if k != key}
+
+
+def broken_json(text):
+    """What may befall any JSON file."""
+    yield "empty", b""
+    yield "white space", b" \n"
+    yield "cut short", text[: len(text) // 2]
+    yield "one bracket short", text.rstrip()[:-1]
+    yield "followed by more", text + b" {}"
+    yield "rubbish", bytes((i * i * 7 + i // 3) & 255 for i in range(5000))
+    yield "an array", b"[]"
+    yield "a number", b"1"
+    yield "null", b"null"
+    yield "text that is not UTF-8", text.replace(b'"', b'"\xff', 1)
+    yield "nested deep", b"[" * DEEP + b"]" * DEEP
+    yield "nested deep objects", b'{"a":' * DEEP + b"1" + b"}" * DEEP
+    yield "nested deep and cut", b"[" * HUGE_BYTES
+    yield "millions of empty objects", b"[" + b"{}," * (HUGE_BYTES // 3) + b"{}]"
+    yield "zeros", bytes(100_000)
+
+
+def calibrations(good_text):
+    """Calibration files as Fathom writes them."""
+    good = json.loads(good_text)
+    matrix = good["image_to_probe"]
+
+    def changed(**values):
+        return json.dumps({**good, **values}).encode()
+
+    def with_matrix(*changes):
+        numbers = list(matrix)
+        for index, value in changes:
+            numbers[index] = value
+        return changed(image_to_probe=numbers)
+
+    yield from broken_json(good_text)
+    yield "another kind of file", json.dumps({"fathom_contours": 1, "structures": []}).encode()
+    yield "of a version to come", changed(fathom_calibration=2)
+    yield "a version that is a text", changed(fathom_calibration="1")
+    yield "no version", json.dumps(without(good, "fathom_calibration")).encode()
+    yield "no matrix", json.dumps(without(good, "image_to_probe")).encode()
+    yield "a matrix of 15 numbers", changed(image_to_probe=matrix[:15])
+    yield "a matrix of 17 numbers", changed(image_to_probe=matrix + [1])
+    yield "a matrix of rows", changed(image_to_probe=[matrix[i: i + 4] for i in (0, 4, 8, 12)])
+    yield "a matrix that is a text", changed(image_to_probe=" ".join(map(str, matrix)))
+    yield "a matrix with NaN", with_matrix((0, float("nan")))
+    yield "a matrix with null", with_matrix((0, None))
+    yield "a matrix with a text", with_matrix((5, "0.1"))
+    yield "a matrix beyond all numbers", changed(image_to_probe=["HUGE"] + matrix[1:]).replace(b'"HUGE"', b"1e999")
+    yield "a singular matrix", with_matrix(*((i, 0) for i in (0, 4, 8)))
+    yield "a matrix whose columns agree", with_matrix(*((i + 1, matrix[i]) for i in (0, 4, 8)))
+    yield "a matrix of zeros", changed(image_to_probe=[0] * 16)
+    yield "a matrix whose last row is not 0 0 0 1", with_matrix((15, 2))
+    yield "pixels of a kilometre", with_matrix(*((i, 1e7 * matrix[i]) for i in (0, 1, 4, 5, 8, 9)))
+    yield "pixels of an atom", with_matrix(*((i, 1e-7 * matrix[i]) for i in (0, 1, 4, 5, 8, 9)))
+    yield "of another image size", changed(width=820, height=616)
+    yield "of an impossible image size", changed(width=-330, height=420)
+    yield "an image size that is a text", changed(width="330", height="420")
+    yield "a latency that is a text", changed(latency_s="0.1")
+    yield "an infinite latency", changed(latency_s="HUGE").replace(b'"HUGE"', b"1e999")
+    yield "a probe frame that is a number", changed(probe_frame=7)
+    yield "a probe frame that is not recorded", changed(probe_frame="Stylus")
+    yield "a reference frame that is not recorded", changed(reference_frame="Table")
+    yield "a covariance that fits no parameters", changed(parameters=["tx_mm"], covariance=[[1, 0], [0, 1]])
+
+
+GOOD_XML = """<?xml version="1.0"?>
+<PlusConfiguration version="2.1">
+  <CoordinateDefinitions>
+    <Transform From="Image" To="Probe" Matrix="0.12 0 0 -20 0 0.12 0 5 0 0 0.12 3 0 0 0 1" />
+    <Transform From="Reference" To="Tracker" Matrix="1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1" />
+  </CoordinateDefinitions>
+</PlusConfiguration>
+"""
+
+ENTITY_BOMB = """<?xml version="1.0"?>
+<!DOCTYPE b [<!ENTITY a0 "lol">%s]>
+<PlusConfiguration><CoordinateDefinitions><Transform From="Image" To="Probe" Matrix="&a9;"/></CoordinateDefinitions>
+</PlusConfiguration>
+""" % "".join(f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 10))
+
+
+def plus_calibrations():
+    """Configuration files of PLUS."""
+
+    def matrix(text):
+        return GOOD_XML.replace("0.12 0 0 -20 0 0.12 0 5 0 0 0.12 3 0 0 0 1", text).encode()
+
+    yield "cut short", GOOD_XML[: len(GOOD_XML) // 2].encode()
+    yield "only a declaration", b'<?xml version="1.0"?>'
+    yield "an empty element", b"<PlusConfiguration/>"
+    yield "another document", b"<html><body>404 not found</body></html>"
+    yield "tags that do not match", GOOD_XML.replace("</PlusConfiguration>", "</Plus>").encode()
+    yield "no transform of the image", GOOD_XML.replace('From="Image"', 'From="Phantom"').encode()
+    yield "no matrix", GOOD_XML.replace("Matrix=", "Comment=").encode()
+    yield "a matrix of 15 numbers", matrix("0.12 0 0 -20 0 0.12 0 5 0 0 0.12 3 0 0 0")
+    yield "a matrix of 17 numbers", matrix("0.12 0 0 -20 0 0.12 0 5 0 0 0.12 3 0 0 0 1 1")
+    yield "a matrix with NaN", matrix("nan 0 0 -20 0 0.12 0 5 0 0 0.12 3 0 0 0 1")
+    yield "a matrix with a word", matrix("0.12 0 0 left 0 0.12 0 5 0 0 0.12 3 0 0 0 1")
+    yield "a singular matrix", matrix("0 0 0 -20 0 0.12 0 5 0 0 0.12 3 0 0 0 1")
+    yield "an empty matrix", matrix("")
+    yield "a transform given twice, differently", GOOD_XML.replace(
+        "</CoordinateDefinitions>",
+        '<Transform From="Image" To="Probe" Matrix="0.5 0 0 0 0 0.5 0 0 0 0 0.5 0 0 0 0 1"/></CoordinateDefinitions>',
+    ).encode()
+    yield "an entity bomb", ENTITY_BOMB.encode()
+    yield "nested deep", b"<a>" * DEEP + b"</a>" * DEEP
+    yield "nested deep and cut", b"<a>" * (HUGE_BYTES // 3)
+    yield "millions of elements", b"<a>" + b"<a/>" * (HUGE_BYTES // 4) + b"</a>"
+
+
+def contours(good_text, frames):
+    """Contours on a recording of this many frames."""
+    good = json.loads(good_text)
+    square = [[100, 100], [200, 100], [200, 200], [100, 200]]
+
+    def structures(*all_structures):
+        return json.dumps({"fathom_contours": 1, "structures": list(all_structures)}).encode()
+
+    def drawn(*all_contours, **fields):
+        return structures({"name": "organ", "contours": list(all_contours), **fields})
+
+    def contour(**fields):
+        return drawn({"frame": 1, "closed": True, "points": square}, {"frame": 2, "closed": True, "points": square,
+                                                                      **fields})
+
+    yield from broken_json(good_text)
+    yield "another kind of file", b'{"fathom_calibration": 1}'
+    yield "of a version to come", json.dumps({**good, "fathom_contours": 2}).encode()
+    yield "no structures", json.dumps(without(good, "structures")).encode()
+    yield "structures that are an object", json.dumps({**good, "structures": {}}).encode()
+    yield "a structure that is a number", structures(7)
+    yield "a structure without a name", structures({"contours": []})
+    yield "a name that is a number", structures({"name": 7, "contours": []})
+    yield "an empty name", structures({"name": "", "contours": []})
+    yield "a name used twice", structures({"name": "a", "contours": []}, {"name": "a", "contours": []})
+    yield "a colour that is none", drawn(color="reddish")
+    yield "contours that are a text", structures({"name": "a", "contours": "none"})
+    yield "a contour that is a number", drawn(7)
+    for text in (frames, -1, 1_000_000_000, 2_147_483_648, -9_223_372_036_854_775_808, 1e300, 1.5, "2", None, [2]):
+        yield f"frame {text!r}", contour(frame=text)
+    yield "no frame", drawn({"closed": True, "points": square})
+    yield "no points", drawn({"frame": 2, "closed": True})
+    yield "an empty contour", contour(points=[])
+    yield "a contour of one point", contour(points=square[:1])
+    yield "a contour of two points", contour(points=square[:2])
+    yield "points that are a text", contour(points="100,100")
+    yield "a point that is a number", contour(points=square + [5])
+    yield "a point of one number", contour(points=square + [[5]])
+    yield "a point of three numbers", contour(points=square + [[5, 5, 5]])
+    yield "a point with a text", contour(points=square + [["5", 5]])
+    yield "a point with null", contour(points=square + [[None, 5]])
+    yield "a point that is NaN", contour(points=square + [[float("nan"), 5]])
+    yield "a point beyond all numbers", contour(points=square + [["HUGE", 5]]).replace(b'"HUGE"', b"1e999")
+    yield "a point beyond all images", contour(points=square + [[1e300, 5]])
+    yield "closed: 'yes'", contour(closed="yes")
+    yield "a confidence of 7", contour(confidence=7)
+    yield "an open contour", contour(closed=False)
+    yield "a bow tie", contour(points=[square[0], square[2], square[1], square[3]])
+    yield "a contour that crosses another", drawn(
+        {"frame": 1, "closed": True, "points": square},
+        {"frame": 1, "closed": True, "points": [[x + 50, y + 50] for x, y in square]})
+    yield "a frame both outlined and without it", drawn({"frame": 2, "closed": True, "points": square},
+                                                        {"frame": 2, "absent": True})
+    yield "a point instead of a contour, of one number", drawn({"frame": 2, "point": [1]})

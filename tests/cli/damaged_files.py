@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Damaged files, made from good ones: each gives exit status 1 and one clear line, writes nothing, and stays small."""
+
+import shutil
+
+import damaged_documents
+import damaged_recordings
+from program import complaint_about_error, ordinary_user, run_script, tree
+from recording_file import MetaImage, Nrrd
+
+MAX_MB = 1000
+MAX_SECONDS = 20
+MAX_SECONDS_SANITIZED = 120
+
+
+class Suite:
+    def __init__(self, program, folder, tally):
+        self.program, self.folder, self.tally = program, folder, tally
+        self.good = folder / "good"
+        self.good.mkdir()
+        program.must_run("simulate", "--object", "sphere", "--pattern", "linear", "--frames", 6, "--seed", 3, "--out",
+                         self.good / "scan.mha")
+        program.must_run("convert", self.good / "scan.mha", self.good / "scan.nrrd")
+        program.must_run("convert", self.good / "scan.mha", self.good / "scan.mhd")
+        self.mha = MetaImage((self.good / "scan.mha").read_bytes())
+        self.nrrd = Nrrd((self.good / "scan.nrrd").read_bytes())
+
+    def arguments(self, command, recording=None, calibration=None, contours=None):
+        recording = recording or self.good / "scan.mha"
+        calibration = calibration or self.good / "scan.calibration.json"
+        contours = contours or self.good / "scan.contours.json"
+        return {
+            "info": ["info", recording, "--json"],
+            "measure": ["measure", recording, "--calibration", calibration, "--contours", contours, "--json"],
+            "segment": ["segment", recording, "--threshold", 128, "--out", "out.json", "--json"],
+            "convert": ["convert", recording, "out.nrrd", "--json"],
+        }[command]
+
+    def must_accept(self, name, arguments):
+        """The control: what is not damaged is read."""
+        out = self.folder / "out"
+        out.mkdir()
+        outcome = self.program.run(*arguments, cwd=out)
+        self.tally.check(f"good: {name}", outcome.status != 0 and f"status {outcome.status}: {outcome.err}")
+        shutil.rmtree(out)
+
+    def must_refuse(self, name, files, runs, user=None):
+        """Each of the runs (by name of command, given the first file's path) must refuse the files."""
+        case, out = self.folder / "case", self.folder / "out"
+        case.mkdir()
+        out.mkdir()
+        if user is not None:
+            out.chmod(0o777)
+        for file_name, content in files.items():
+            if callable(content):
+                content(case / file_name)
+            else:
+                (case / file_name).write_bytes(content)
+        before = sorted(path.name for path in case.rglob("*"))
+        for command, arguments in runs(case / next(iter(files), "missing.mha")).items():
+            outcome = self.program.run(*arguments, cwd=out, user=user)
+            self.tally.check(f"{name} ({command})", self.complaint(outcome, before, case, out))
+        case.chmod(0o700)
+        shutil.rmtree(case)
+        shutil.rmtree(out)
+
+    def complaint(self, outcome, before, case, out):
+        complaint = complaint_about_error(outcome)
+        if complaint:
+            return complaint
+        if list(out.iterdir()):
+            return f"left behind: {sorted(tree(out))}"
+        if sorted(path.name for path in case.rglob("*")) != before:
+            return f"left behind beside the input: {sorted(path.name for path in case.rglob('*'))}"
+        if not self.program.sanitized and outcome.peak_mb > MAX_MB:
+            return f"took {outcome.peak_mb:.0f} MB"
+        if outcome.seconds > (MAX_SECONDS_SANITIZED if self.program.sanitized else MAX_SECONDS):
+            return f"took {outcome.seconds:.1f} s"
+        return None
+
+    def recordings(self):
+        for command in damaged_recordings.EVERY:
+            for good in ("scan.mha", "scan.mhd", "scan.nrrd"):
+                self.must_accept(f"{good} ({command})", self.arguments(command, self.good / good))
+        packed = self.folder / "packed.mha"
+        packed.write_bytes(self.mha.compressed().bytes())
+        self.must_accept("compressed mha", self.arguments("convert", packed))
+        for name, files, commands in damaged_recordings.recordings(self.mha, self.nrrd):
+            self.must_refuse(name, files, lambda path: {c: self.arguments(c, recording=path) for c in commands})
+
+    def calibrations(self):
+        def runs(path):
+            return {"measure": self.arguments("measure", calibration=path)}
+
+        good_xml = self.folder / "good.xml"
+        good_xml.write_text(damaged_documents.GOOD_XML)
+        self.must_accept("PLUS calibration", self.arguments("measure", calibration=good_xml))
+        good = (self.good / "scan.calibration.json").read_bytes()
+        for name, content in damaged_documents.calibrations(good):
+            self.must_refuse(f"calibration: {name}", {"damaged.json": content}, runs)
+        for name, content in damaged_documents.plus_calibrations():
+            self.must_refuse(f"PLUS calibration: {name}", {"damaged.xml": content}, runs)
+        self.must_refuse("calibration: not there", {}, runs)
+        self.must_refuse("calibration: a folder", {"damaged.json": damaged_recordings.folder}, runs)
+        self.must_refuse("calibration: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
+        self.must_refuse("calibration: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
+
+    def contours(self):
+        def runs(path):
+            return {"measure": self.arguments("measure", contours=path)}
+
+        good = (self.good / "scan.contours.json").read_bytes()
+        for name, content in damaged_documents.contours(good, frames=6):
+            self.must_refuse(f"contours: {name}", {"damaged.json": content}, runs)
+        self.must_refuse("contours: not there", {}, runs)
+        self.must_refuse("contours: a folder", {"damaged.json": damaged_recordings.folder}, runs)
+        self.must_refuse("contours: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
+        self.must_refuse("contours: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
+
+    def without_permission(self):
+        """Files that may not be read, as a user who is not root."""
+        user = ordinary_user(self.program, self.folder)
+        if user is False:
+            self.tally.skip("files without permission", "the program cannot be run as another user than root here")
+            return
+        for name, content in (("damaged.mha", self.mha.bytes()), ("damaged.nrrd", self.nrrd.bytes())):
+            def locked(path):
+                path.write_bytes(content)
+                path.chmod(0)
+
+            self.must_refuse(f"{name} without permission to read", {name: locked}, lambda path: {
+                c: self.arguments(c, recording=path) for c in damaged_recordings.EVERY}, user=user)
+
+        def locked_json(path):
+            path.write_bytes((self.good / "scan.contours.json").read_bytes())
+            path.chmod(0)
+
+        self.must_refuse("contours without permission to read", {"damaged.json": locked_json}, lambda path: {
+            "measure": self.arguments("measure", contours=path)}, user=user)
+
+
+def body(program, folder, tally, _root):
+    suite = Suite(program, folder, tally)
+    suite.recordings()
+    suite.calibrations()
+    suite.contours()
+    suite.without_permission()
+
+
+if __name__ == "__main__":
+    run_script(__doc__, body)

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Figures on real recordings (the project's shared data, where it is there), read here without the program under test."""
+
+import json
+import re
+
+from program import run_script
+
+PIXEL_TYPES = {"MET_UCHAR": "uint8", "int16": "int16"}
+PRISM_ML = 17.06  # what planimetry must make of the prism with PLUS's calibration; the drawing says 16.86
+
+
+def seen_in(path):
+    """What `fathom info` should say, from the header's text."""
+    content = path.read_bytes()
+    if content.startswith(b"NRRD"):
+        header = content[: content.index(b"\n\n")].decode()
+        fields = dict(re.findall(r"^([^:#\n]+):=?[ ]*(.*?)\s*$", header, re.MULTILINE))
+        sizes = [int(n) for n in fields["sizes"].split()]
+        pixel_type = PIXEL_TYPES[fields["type"]]
+    else:
+        header = content[: content.index(b"ElementDataFile")].decode()
+        fields = dict(re.findall(r"^(\S+) = (.*?)\s*$", header, re.MULTILINE))
+        sizes = [int(n) for n in fields["DimSize"].split()]
+        pixel_type = PIXEL_TYPES[fields["ElementType"]]
+    width, height, frames = (sizes + [1])[:3]
+    transforms = {match.group(1) for key in fields if (match := re.fullmatch(r"Seq_Frame\d+_(\w+)Transform", key))}
+    if "ProbeToTracker" in transforms:
+        needed = transforms & {"ProbeToTracker", "ReferenceToTracker"}
+    else:
+        needed = {fields.get("DefaultFrameTransformName", "none").removesuffix("Transform")}
+
+    def is_valid(frame):
+        prefix = f"Seq_Frame{frame:04}_"
+        return (fields.get(prefix + "ImageStatus", "OK") == "OK"
+                and all(prefix + name + "Transform" in fields for name in needed)
+                and all(fields.get(prefix + name + "TransformStatus", "OK") == "OK" for name in needed))
+
+    times = [float(fields[key]) for key in fields if re.fullmatch(r"Seq_Frame\d+_Timestamp", key)]
+    return {
+        "frames": frames,
+        "valid_frames": sum(map(is_valid, range(frames))),
+        "width": width,
+        "height": height,
+        "pixel_type": pixel_type,
+        "duration_s": max(times) - min(times) if len(times) > 1 else None,
+        "frame_rate_hz": (len(times) - 1) / (max(times) - min(times)) if len(times) > 1 else None,
+        "transforms": transforms,
+    }
+
+
+def differs(found, expected):
+    if isinstance(expected, float) and found is not None:
+        return abs(found - expected) > 1e-6 * max(1.0, abs(expected))
+    if isinstance(expected, set):
+        return len(found) != len(expected) or set(found) != expected
+    return found != expected
+
+
+def body(program, folder, tally, root):
+    data = root.parent / "shared" / "data" / "plus"
+    if not data.is_dir():
+        tally.skip("real recordings", "the recordings of shared/data are not beside this checkout")
+        return
+    for path in sorted([*data.glob("*.mha"), *data.glob("*.nrrd")]):
+        info = program.must_run("info", path, "--json").json()
+        for key, expected in seen_in(path).items():
+            tally.check(f"{path.name}: {key}", differs(info.get(key), expected) and f"{info.get(key)}, not {expected}")
+
+    outcome = program.must_run(
+        "measure", data / "fCal_Test_Calibration_3NWires_fCal2.0.igs.mha", "--calibration",
+        data / "FreehandCalibration3NWires_fCal2.0.results.xml", "--contours",
+        data / "fCal2_wire_prism.contours.json", "--json")
+    prism = outcome.json()["structures"][0]
+    sections = json.loads((data / "fCal2_wire_prism.contours.json").read_text())["structures"][0]["contours"]
+    tally.check("the prism's sections", prism["sections"] != len(sections) and prism["sections"])
+    for method in ("linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d"):
+        volume = prism["volume_ml"][method]
+        tally.check(f"the prism by {method}", abs(volume - PRISM_ML) > 0.02 and f"{volume} ml")
+        print(f"prism, {method}: {volume:.4f} ml")
+
+    # What was recorded elsewhere survives the way through every format.
+    original = data / "SpinePhantomFreehand.igs.mha"
+    expected = seen_in(original)
+    for name in ("spine.mha", "spine.mhd", "spine.nrrd"):
+        program.must_run("convert", original, folder / name)
+        info = program.must_run("info", folder / name, "--json").json()
+        wrong = [key for key in expected if differs(info.get(key), expected[key])]
+        tally.check(f"the spine sweep as {name}", wrong)
+
+
+if __name__ == "__main__":
+    run_script(__doc__, body)
