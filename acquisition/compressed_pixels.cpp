@@ -44,13 +44,13 @@ class CompressedPixels : public PixelSource {
     const bool at_the_end = fault == InflateStream::Fault::damaged && good_frames > static_cast<std::uint64_t>(frame);
     if (at_the_end) {
       pixels_.file->fail("the checksum of its pixels is wrong (found when reading the last frame, " +
-                         std::to_string(frame) + "); some pixels are damaged: copy it again");
+                         std::to_string(frame) + "); some pixels are damaged; copy it again");
     }
     const std::string where = good_frames > 0 ? "damaged after frame " + std::to_string(good_frames - 1)
                                               : std::string("damaged from frame 0 on");
     pixels_.file->fail((fault == InflateStream::Fault::ends_early ? "its compressed pixels end early; they are "
                                                                   : "its compressed pixels are ") +
-                       where + ": copy it again");
+                       where + "; copy it again");
   }
 
   PixelStorage pixels_;

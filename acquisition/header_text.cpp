@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <cstdlib>
 #include <cstring>
 
 #include "acquisition/input_file.h"
+#include "core/numbers.h"
 
 namespace fathom {
 
@@ -15,7 +14,6 @@ namespace {
 constexpr std::size_t kLongestLine = 1 << 20;           // no field is that long; rubbish without line ends may be
 constexpr std::size_t kReadBytes = 1 << 17;             // at a time: most headers need no more
 constexpr std::uint64_t kLongestHeader = 512ull << 20;  // about a million frames with three transforms each
-constexpr double kUnderflow = 1e-300;                   // what is smaller is as good as zero
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -79,21 +77,6 @@ std::optional<std::uint64_t> parse_count(std::string_view text) {
   return value;
 }
 
-std::optional<double> parse_real(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  double value = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, code] = std::from_chars(text.data(), end, value);
-  if (rest != end || code == std::errc::invalid_argument) return std::nullopt;
-  if (code == std::errc::result_out_of_range) {
-    // Too large and too small are the same code here; only what is too small is harmless.
-    value = std::strtod(std::string(text).c_str(), nullptr);
-    if (std::abs(value) > kUnderflow) return std::nullopt;
-  }
-  if (!std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 bool parse_reals(std::string_view text, std::span<double> out) {
   for (double& value : out) {
     text = trimmed(text);
@@ -104,12 +87,6 @@ bool parse_reals(std::string_view text, std::span<double> out) {
     text.remove_prefix(end);
   }
   return trimmed(text).empty();
-}
-
-void append_real(std::string& text, double value) {
-  char digits[32];  // the longest shortest form has 24 characters
-  const auto [end, code] = std::to_chars(digits, digits + sizeof digits, value);
-  text.append(digits, end);
 }
 
 HeaderLines::HeaderLines(const InputFile& file)

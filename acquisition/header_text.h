@@ -30,14 +30,8 @@ std::vector<std::string_view> words(std::string_view text);
 /// A whole number >= 0 that fills the text; empty when it is anything else or does not fit.
 std::optional<std::uint64_t> parse_count(std::string_view text);
 
-/// A finite number that fills the text; empty when it is anything else, NaN or infinite.
-std::optional<double> parse_real(std::string_view text);
-
 /// Exactly out.size() finite numbers separated by blanks; false when there are more, fewer, or others.
 bool parse_reals(std::string_view text, std::span<double> out);
-
-/// Appends the shortest text that parses back as the same number.
-void append_real(std::string& text, double value);
 
 /// The lines of a file, read in pieces: a header of any length takes one buffer of memory.
 class HeaderLines {

@@ -87,27 +87,21 @@ class StorageFields {
 };
 
 StatedSizes stated_sizes(const StorageFields& storage, const InputFile& file) {
-  const std::string text = storage.required("DimSize");
-  std::vector<std::uint64_t> sizes;
-  for (const std::string_view word : words(text)) {
-    const auto size = parse_count(word);
-    if (!size) file.fail("DimSize is \"" + printable(text) + "\"; it must be whole numbers such as 640 480 100");
-    sizes.push_back(*size);
-  }
-  const std::uint64_t dimensions = storage.count("NDims", sizes.size());
-  if (dimensions != sizes.size()) {
-    file.fail("NDims is " + std::to_string(dimensions) + ", but DimSize has " + std::to_string(sizes.size()) +
+  const AxisFields axes = {"DimSize", storage.required("DimSize"), storage.text("Kinds").value_or("")};
+  StatedSizes stated = parse_axes(axes, file);
+  const std::uint64_t numbers = words(axes.sizes).size();
+  const std::uint64_t dimensions = storage.count("NDims", numbers);
+  // PLUS does not count its axis of colours.
+  if (dimensions != numbers && !(stated.has_channel_axis && dimensions + 1 == numbers)) {
+    file.fail("NDims is " + std::to_string(dimensions) + ", but DimSize has " + std::to_string(numbers) +
               " numbers; the header is damaged");
   }
-  const bool flat_volumes = sizes.size() == 4 && sizes[2] == 1;
-  if (sizes.size() != 2 && sizes.size() != 3 && !flat_volumes) {
-    file.fail("DimSize is \"" + printable(text) + "\"; only width, height and number of frames can be read");
+  const std::uint64_t channels = storage.count("ElementNumberOfChannels", stated.channels);
+  if (stated.has_channel_axis && channels != stated.channels) {
+    file.fail("ElementNumberOfChannels is " + std::to_string(channels) + ", but DimSize is \"" + printable(axes.sizes) +
+              "\"; the header is damaged");
   }
-  StatedSizes stated;
-  stated.width = sizes[0];
-  stated.height = sizes[1];
-  stated.frames = sizes.size() == 2 ? 1 : sizes.back();
-  stated.channels = storage.count("ElementNumberOfChannels", 1);
+  stated.channels = channels;
   return stated;
 }
 

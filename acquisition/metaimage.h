@@ -20,8 +20,9 @@ bool looks_like_metaimage(std::string_view first_bytes);
 
 /// Reads the header of a MetaImage sequence (.mha, .mhd): `name = value` lines up to `ElementDataFile`. Pixel types are
 /// MET_UCHAR (one or three channels), MET_CHAR, MET_USHORT, MET_SHORT, MET_FLOAT, MET_DOUBLE; sizes `width height`,
-/// `width height frames` or `width height 1 frames`; `0 0 frames` is a recording of poses only.
-/// Throws Error on any fault, also when the file is too short for its pixels.
+/// `width height frames` or `width height 1 frames`, with 3 colours as an axis before them where Kinds says `vector`,
+/// as PLUS writes them; `0 0 frames` is a recording of poses only. Throws Error on any fault, also when the file is too
+/// short for its pixels.
 SequenceFile read_metaimage(const std::shared_ptr<const InputFile>& file);
 
 /// How a MetaImage is to be written.

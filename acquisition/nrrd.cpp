@@ -79,46 +79,12 @@ std::string require(const Fields& fields, std::string_view name, const InputFile
   return *value;
 }
 
-bool is_colour_kind(std::string_view kind) {
-  return equal_ignoring_case(kind, "vector") || equal_ignoring_case(kind, "RGB-color") ||
-         equal_ignoring_case(kind, "3-color") || equal_ignoring_case(kind, "3-vector");
-}
-
 StatedSizes stated_sizes(const Fields& fields, const InputFile& file) {
-  const std::string text = require(fields, "sizes", file);
-  std::vector<std::uint64_t> sizes;
-  for (const std::string_view word : words(text)) {
-    const auto size = parse_count(word);
-    if (!size) file.fail("sizes is \"" + printable(text) + "\"; it must be whole numbers such as 640 480 100");
-    sizes.push_back(*size);
+  const AxisFields axes = {"sizes", require(fields, "sizes", file), find(fields, "kinds").value_or("")};
+  if (parse_count(require(fields, "dimension", file)) != words(axes.sizes).size()) {
+    file.fail("its dimension does not agree with its sizes \"" + printable(axes.sizes) + "\"; the header is damaged");
   }
-  if (parse_count(require(fields, "dimension", file)) != sizes.size()) {
-    file.fail("its dimension does not agree with its sizes \"" + printable(text) + "\"; the header is damaged");
-  }
-  const std::string kinds_text = find(fields, "kinds").value_or("");
-  const auto kinds = words(kinds_text);
-  if (!kinds.empty() && kinds.size() != sizes.size()) {
-    file.fail("its kinds do not agree with its sizes \"" + printable(text) + "\"; the header is damaged");
-  }
-  StatedSizes stated;
-  bool list_comes_early = false;
-  for (std::size_t i = 0; i + 1 < kinds.size(); ++i) {
-    list_comes_early =
-        list_comes_early || equal_ignoring_case(kinds[i], "list") || equal_ignoring_case(kinds[i], "time");
-  }
-  if (!kinds.empty() && is_colour_kind(kinds[0]) && !sizes.empty()) {
-    stated.channels = sizes[0];
-    sizes.erase(sizes.begin());
-  }
-  const bool flat_volumes = sizes.size() == 4 && sizes[2] == 1;
-  if (list_comes_early || (sizes.size() != 2 && sizes.size() != 3 && !flat_volumes)) {
-    file.fail("its axes have sizes \"" + printable(text) + "\" and kinds \"" + printable(kinds_text) +
-              "\"; only width, height and number of frames, in this order, can be read");
-  }
-  stated.width = sizes[0];
-  stated.height = sizes[1];
-  stated.frames = sizes.size() == 2 ? 1 : sizes.back();
-  return stated;
+  return parse_axes(axes, file);
 }
 
 int stated_depth(const Fields& fields, bool has_images, const InputFile& file) {

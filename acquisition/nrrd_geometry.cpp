@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "acquisition/header_text.h"
+#include "core/numbers.h"
 
 namespace fathom {
 
@@ -42,7 +43,7 @@ std::optional<std::string> three_numbers(std::vector<double> values, double usua
   std::string text;
   for (const double x : values) {
     if (!text.empty()) text += ' ';
-    append_real(text, x);
+    text += format_real(x);
   }
   return text;
 }
@@ -82,13 +83,13 @@ std::string nrrd_geometry_fields(const RecordingHeader& header) {
   std::string text = "space dimension: 2\nspace directions: ";
   if (CV_MAT_CN(header.pixel_type) > 1) text += "none ";
   text += '(';
-  append_real(text, spacing[0]);
+  text += format_real(spacing[0]);
   text += ",0) (0,";
-  append_real(text, spacing[1]);
+  text += format_real(spacing[1]);
   text += ") none\nspace origin: (";
-  append_real(text, origin[0]);
+  text += format_real(origin[0]);
   text += ',';
-  append_real(text, origin[1]);
+  text += format_real(origin[1]);
   text += ")\n";
   return text;
 }

@@ -158,6 +158,10 @@ void write_mhd(const Recording& recording, const std::filesystem::path& path, bo
   pixel_path.replace_extension(compress ? ".zraw" : ".raw");
   const MetaImageLayout layout = {.compressed = compress,
                                   .pixel_file = has_images ? pixel_path.filename().string() : "LOCAL"};
+  if (const auto fault = has_images ? fault_of_pixel_file_name(layout.pixel_file) : std::nullopt) {
+    throw Error(printable(path.string()) + ": its pixels would lie in \"" + printable(layout.pixel_file) +
+                "\", which " + *fault + "; choose another name, or .mha");
+  }
   std::string preamble = metaimage_preamble(recording.header(), layout);
   AtomicFile file(path);
   std::optional<AtomicFile> pixels;

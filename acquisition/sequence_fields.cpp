@@ -10,6 +10,7 @@
 
 #include "acquisition/header_text.h"
 #include "core/error.h"
+#include "core/numbers.h"
 
 namespace fathom {
 
@@ -254,14 +255,14 @@ void append_frame_fields(std::string& text, const RecordingHeader& header, std::
     numbers.clear();
     for (int i = 0; i < 16; ++i) {
       if (i > 0) numbers += ' ';
-      append_real(numbers, pose.matrix(i / 4, i % 4));
+      numbers += format_real(pose.matrix(i / 4, i % 4));
     }
     append(header.transforms[t], kTransform, numbers);
     if (!pose.status.empty()) append(header.transforms[t], kTransformStatus, pose.status);
   }
   if (fields.time_s) {
     numbers.clear();
-    append_real(numbers, *fields.time_s);
+    numbers += format_real(*fields.time_s);
     append("Timestamp", "", numbers);
   }
   bool name_is_taken = false;

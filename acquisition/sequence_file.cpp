@@ -1,5 +1,8 @@
 #include "acquisition/sequence_file.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <opencv2/core.hpp>
 
 #include "acquisition/header_text.h"
@@ -15,7 +18,46 @@ constexpr std::uint64_t kMostExpansion = 1032;           // of deflate: 258 byte
 constexpr std::uint64_t kExpansionSlack = 1 << 16;
 constexpr std::uint64_t kMostBytes = 1ull << 46;  // 64 TB: sums of sizes below it cannot overflow
 
+bool is_colour_kind(std::string_view kind) {
+  return equal_ignoring_case(kind, "vector") || equal_ignoring_case(kind, "RGB-color") ||
+         equal_ignoring_case(kind, "3-color") || equal_ignoring_case(kind, "3-vector");
+}
+
+bool is_list_kind(std::string_view kind) {
+  return equal_ignoring_case(kind, "list") || equal_ignoring_case(kind, "time");
+}
+
 }  // namespace
+
+StatedSizes parse_axes(const AxisFields& axes, const InputFile& file) {
+  const std::string shown = std::string(axes.name) + " is \"" + printable(axes.sizes) + "\"";
+  std::vector<std::uint64_t> sizes;
+  for (const std::string_view word : words(axes.sizes)) {
+    const auto size = parse_count(word);
+    if (!size) file.fail(shown + "; it must be whole numbers such as 640 480 100");
+    sizes.push_back(*size);
+  }
+  const auto kinds = words(axes.kinds);
+  if (!kinds.empty() && kinds.size() != sizes.size()) {
+    file.fail(shown + ", but its kinds are \"" + printable(axes.kinds) + "\"; the header is damaged");
+  }
+  StatedSizes stated;
+  const bool list_comes_early = !kinds.empty() && std::any_of(kinds.begin(), kinds.end() - 1, is_list_kind);
+  if (!kinds.empty() && is_colour_kind(kinds[0])) {
+    stated.has_channel_axis = true;
+    stated.channels = sizes[0];
+    sizes.erase(sizes.begin());
+  }
+  const bool flat_volumes = sizes.size() == 4 && sizes[2] == 1;
+  if (list_comes_early || (sizes.size() != 2 && sizes.size() != 3 && !flat_volumes)) {
+    file.fail(shown + (kinds.empty() ? std::string() : " and its kinds are \"" + printable(axes.kinds) + "\"") +
+              "; only width, height and number of frames, in this order, can be read");
+  }
+  stated.width = sizes[0];
+  stated.height = sizes[1];
+  stated.frames = sizes.size() == 2 ? 1 : sizes.back();
+  return stated;
+}
 
 std::uint64_t frame_bytes(const RecordingHeader& header) {
   return static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height) *
@@ -59,19 +101,23 @@ void set_orientation(SequenceFile& sequence, const std::optional<std::string>& t
   sequence.pixels.orientation = *orientation;
 }
 
+std::optional<std::string> fault_of_pixel_file_name(std::string_view name) {
+  if (name.find('%') != std::string_view::npos || name.starts_with("LIST")) return "stands for several files";
+  const auto is_unusual = [](char c) { return c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  const std::filesystem::path path(name);
+  const bool is_plain = !name.empty() && name == trimmed(name) && !path.is_absolute() &&
+                        !equal_ignoring_case(name, "LOCAL") && std::none_of(name.begin(), name.end(), is_unusual) &&
+                        std::find(path.begin(), path.end(), "..") == path.end();
+  if (!is_plain) return "is not a plain name beside this file";
+  return std::nullopt;
+}
+
 std::shared_ptr<const InputFile> open_pixel_file(const InputFile& header_file, std::string_view stated_name) {
-  const std::string shown = printable(stated_name);
-  if (stated_name.find('%') != std::string_view::npos || equal_ignoring_case(stated_name.substr(0, 4), "LIST")) {
-    header_file.fail("its pixels are spread over several files (\"" + shown + "\"); store them in one");
+  if (const auto fault = fault_of_pixel_file_name(stated_name)) {
+    header_file.fail("names \"" + printable(stated_name) + "\" as the file with its pixels, which " + *fault +
+                     "; store them in one file beside it");
   }
   const std::filesystem::path name(stated_name);
-  bool leads_elsewhere = stated_name.empty() || name.is_absolute() ||
-                         stated_name.find('\\') != std::string_view::npos ||
-                         stated_name.find('\0') != std::string_view::npos;
-  for (const auto& part : name) leads_elsewhere = leads_elsewhere || part == "..";
-  if (leads_elsewhere) {
-    header_file.fail("names \"" + shown + "\" as the file with its pixels; it must be a plain name beside this file");
-  }
   try {
     return std::make_shared<InputFile>(header_file.path().parent_path() / name);
   } catch (const Error& e) {

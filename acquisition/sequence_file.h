@@ -34,7 +34,20 @@ struct StatedSizes {
   std::uint64_t height = 0;
   std::uint64_t frames = 0;
   std::uint64_t channels = 1;
+  bool has_channel_axis = false;  ///< whether the channels were stated as an axis
 };
+
+/// How a header states the axes of its pixels, fastest first.
+struct AxisFields {
+  std::string_view name;  ///< of the field with the sizes, for messages
+  std::string sizes;      ///< "820 616 97"
+  std::string kinds;      ///< "domain domain list"; empty where not stated
+};
+
+/// The sizes of `width height`, `width height frames` or `width height 1 frames`, with colours as an axis before them
+/// where its kind says so. Throws Error when a size is no whole number, kinds and sizes differ in number, or the axes
+/// come in another order.
+StatedSizes parse_axes(const AxisFields& axes, const InputFile& file);
 
 /// Bytes of one frame.
 std::uint64_t frame_bytes(const RecordingHeader& header);
@@ -46,6 +59,10 @@ void set_image_format(RecordingHeader& header, const StatedSizes& sizes, int dep
 /// Sets how the pixels lie, as `text` says; where the file says nothing, MF is assumed and the header gets a warning.
 /// Throws Error when the orientation is one that is not supported.
 void set_orientation(SequenceFile& sequence, const std::optional<std::string>& text, const InputFile& file);
+
+/// What is wrong with `name` as that of a file with pixels, for a message; empty where it can be used. A header can
+/// name one file only, and only beside or below its own folder.
+std::optional<std::string> fault_of_pixel_file_name(std::string_view name);
 
 /// Opens the file with the pixels that a header names: a relative path, beside or below the header's folder. Throws
 /// Error when the path leads elsewhere, is a list or a pattern, or the file cannot be opened.

@@ -40,8 +40,13 @@ std::string pixel_type_name(int type) {
   }
 }
 
-// From the first stamp to the last; empty where fewer than two frames have one.
-std::optional<double> duration_s(const RecordingHeader& header) {
+// Of the frames that have a time stamp, at least two.
+struct Timing {
+  double duration_s = 0.0;  // from the first stamp to the last
+  std::optional<double> frame_rate_hz;
+};
+
+std::optional<Timing> timing(const RecordingHeader& header) {
   double first = std::numeric_limits<double>::infinity();
   double last = -first;
   int stamped = 0;
@@ -51,7 +56,10 @@ std::optional<double> duration_s(const RecordingHeader& header) {
     last = std::max(last, *frame.time_s);
     ++stamped;
   }
-  return stamped < 2 ? std::nullopt : std::optional(last - first);
+  if (stamped < 2) return std::nullopt;
+  Timing timing{last - first, std::nullopt};
+  if (last > first) timing.frame_rate_hz = (stamped - 1) / (last - first);
+  return timing;
 }
 
 int valid_frames(const Recording& recording, const std::optional<PoseChain>& chain) {
@@ -71,9 +79,9 @@ void run(const InfoOptions& options) {
   const auto chain = chosen ? std::optional(find_pose_chain(*recording, options.names))
                             : default_pose_chain(*recording, options.names);
   const int valid = valid_frames(*recording, chain);
-  const auto duration = duration_s(header);
-  std::optional<double> rate;
-  if (duration && *duration > 0.0) rate = (header.frame_count() - 1) / *duration;
+  const auto timed = timing(header);
+  const auto duration = timed ? std::optional(timed->duration_s) : std::nullopt;
+  const auto rate = timed ? timed->frame_rate_hz : std::nullopt;
 
   if (options.json) {
     nlohmann::ordered_json json;

@@ -2,6 +2,7 @@
 #include <new>
 
 #include <opencv2/core/utils/logger.hpp>
+#include <unistd.h>
 
 #include "cli/command.h"
 #include "cli/output.h"
@@ -17,6 +18,7 @@ int fail(const std::string& message) {
   for (char& c : line) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';  // one line, whatever a file put into it
   }
+  if (::isatty(STDERR_FILENO) != 0) std::cerr << "\r\033[K";  // where a bar was drawn
   std::cerr << "fathom: error: " << line << "\n";
   return kInputAtFault;
 }

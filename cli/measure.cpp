@@ -24,7 +24,7 @@ void run(const MeasureOptions& options) {
   const auto recording = open_recording(options.recording);
   const Calibration calibration = read_calibration(options.calibration, options.names.probe);
   const std::vector<Structure> structures = read_contours(options.contours);
-  require_frames(structures, recording->header().frame_count(), options.contours);
+  require_measurable(structures, recording->header().frame_count(), options.contours);
   require_simple_outlines(structures, options.contours);
   const FrameLocator locator(*recording, calibration, options.names);
   const std::vector<StructureResult> results = measure_structures(structures, *recording, locator);

@@ -15,6 +15,12 @@ volatile std::sig_atomic_t interrupted = 0;
 
 constexpr int kBarColumns = 40;
 
+// Characters, not bytes: UTF-8 continues a character by bytes of the form 10xxxxxx.
+std::size_t columns_of(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
 }  // namespace
 
 void print_json(const nlohmann::ordered_json& json) {
@@ -26,12 +32,12 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns_of(row[i]));
   }
   for (const auto& row : rows) {
     std::string line;
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::string padding(widths[i] - row[i].size(), ' ');
+      const std::string padding(widths[i] - columns_of(row[i]), ' ');
       line += (i == 0 ? "" : "  ") + (i == 0 ? row[i] + padding : padding + row[i]);
     }
     while (line.ends_with(' ')) line.pop_back();
@@ -77,7 +83,11 @@ Progress progress_bar(const std::string& what) {
 }
 
 void catch_interrupts() {
-  const auto note = [](int) { interrupted = 1; };
+  // The second one ends the program at once: whoever asks twice has waited long enough.
+  const auto note = [](int signal) {
+    interrupted = 1;
+    std::signal(signal, SIG_DFL);
+  };
   std::signal(SIGINT, note);
   std::signal(SIGTERM, note);
   // A file that grows beyond what the user may write is an error to report, not a reason to die.

@@ -25,7 +25,8 @@ void print_results(const std::vector<StructureResult>& results);
 /// Draws a bar on standard error if that is a terminal; asks the work to stop once the user pressed Ctrl-C.
 Progress progress_bar(const std::string& what);
 
-/// From here on Ctrl-C and a polite kill end the program in order: what is being written is removed first.
+/// From here on Ctrl-C and a polite kill end the program in order: what is being written is removed first. Asked a
+/// second time, it ends at once.
 void catch_interrupts();
 
 }  // namespace fathom

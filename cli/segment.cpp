@@ -40,13 +40,16 @@ void add_segment(CLI::App& app) {
   CLI::App* command = app.add_subcommand("segment", "Outline a structure on the frames of a recording");
   command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
   command->add_option("--threshold", segment.threshold.threshold, "Pixels from this grey value on are inside")
-      ->required();
+      ->required()
+      ->check(finite());
   command->add_flag("--below", segment.threshold.below, "Inside is below the threshold");
   command
       ->add_option("--min-area-px", segment.threshold.min_area_px, "Drop outlines and holes of smaller area, in pixels")
       ->check(at_least(0))
       ->capture_default_str();
-  command->add_option("--structure", segment.structure, "Name of the structure")->capture_default_str();
+  command->add_option("--structure", segment.structure, "Name of the structure")
+      ->check(structure_name())
+      ->capture_default_str();
   command->add_option("--every", segment.every, "Outline every N-th frame")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

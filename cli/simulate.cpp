@@ -8,6 +8,8 @@
 #include "cli/output.h"
 #include "core/atomic_file.h"
 #include "registration/calibration.h"
+#include "sim/phantom.h"
+#include "sim/scan_path.h"
 
 namespace fathom {
 
@@ -20,7 +22,7 @@ struct SimulateCommand {
 };
 
 void run(const SimulateCommand& command) {
-  const SimulatedScan scan = simulate(command.scan);
+  const SimulatedScan scan = simulate(command.scan, progress_bar("outlining"));
   const std::filesystem::path out = command.out;
   std::filesystem::path stem = out;
   stem.replace_extension();
@@ -71,17 +73,21 @@ void add_simulate(CLI::App& app) {
                    "The recording to write; the truth, the calibration and the true outlines "
                    "go beside it")
       ->required();
-  command->add_option("--seed", scan.seed, "Seed of all random numbers")->capture_default_str();
+  command->add_option("--seed", scan.seed, "Seed of all random numbers")->check(whole_number())->capture_default_str();
   command->add_option("--jitter-mm", scan.jitter_mm, "Unsteady hand: +- on each axis, before the scan")
-      ->check(at_least(0));
-  command->add_option("--jitter-deg", scan.jitter_deg, "The same for the three angles")->check(at_least(0));
+      ->check(between(0, SimulateOptions::kMaxShift_mm));
+  command->add_option("--jitter-deg", scan.jitter_deg, "The same for the three angles")
+      ->check(between(0, SimulateOptions::kMaxTurn_deg));
   command->add_option("--misregister-mm", scan.misregister_mm, "Errors of the recorded positions: +- on each axis")
-      ->check(at_least(0));
-  command->add_option("--misregister-deg", scan.misregister_deg, "The same for the three angles")->check(at_least(0));
-  command->add_option("--noise-mm", scan.noise_mm, "Tracker noise: rms distance")->check(at_least(0));
-  command->add_option("--noise-deg", scan.noise_deg, "Tracker noise: rms angle")->check(at_least(0));
+      ->check(between(0, SimulateOptions::kMaxShift_mm));
+  command->add_option("--misregister-deg", scan.misregister_deg, "The same for the three angles")
+      ->check(between(0, SimulateOptions::kMaxTurn_deg));
+  command->add_option("--noise-mm", scan.noise_mm, "Tracker noise: rms distance")
+      ->check(between(0, SimulateOptions::kMaxShift_mm));
+  command->add_option("--noise-deg", scan.noise_deg, "Tracker noise: rms angle")
+      ->check(between(0, SimulateOptions::kMaxTurn_deg));
   command->add_option("--latency-s", scan.latency_s, "How much the tracker's time stamps lag the image's")
-      ->check(CLI::Range(-10.0, 10.0));
+      ->check(between(-SimulateOptions::kMaxLatency_s, SimulateOptions::kMaxLatency_s));
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }

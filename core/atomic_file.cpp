@@ -22,6 +22,21 @@ std::filesystem::path parent_folder(const std::filesystem::path& target) {
   return parent.empty() ? std::filesystem::path(".") : parent;
 }
 
+// Follows links by hand, since the standard's canonical() stops at one whose file is yet to be made.
+std::filesystem::path file_behind(std::filesystem::path target) {
+  constexpr int kMaxLinks = 40;  // as in Linux
+  std::error_code code;
+  for (int i = 0; i < kMaxLinks && std::filesystem::is_symlink(target, code); ++i) {
+    const auto next = std::filesystem::read_symlink(target, code);
+    if (code) break;
+    target = parent_folder(target) / next;  // an absolute link replaces the folder
+  }
+  if (std::filesystem::is_symlink(target, code)) {
+    throw Error(target.string() + ": is a link that leads nowhere; choose another name to write to");
+  }
+  return target;
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(const std::filesystem::path& target) : target_(target) {
@@ -29,8 +44,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& target) : target_(target) {
   if (target.filename().empty()) throw Error(target.string() + ": is not a file name; name the file to write");
   // A link is followed, so that the file behind it is replaced and the link stays.
   if (std::filesystem::is_symlink(target, code)) {
-    const auto resolved = std::filesystem::weakly_canonical(target, code);
-    if (!code) target_ = resolved;
+    target_ = file_behind(target);
   }
   const auto status = std::filesystem::status(target_, code);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {

@@ -34,7 +34,8 @@ void require_moderate(const std::string& text, const std::string& file) {
     if (c == '[' || c == '{') ++depth;
     if ((c == ']' || c == '}') && depth > 0) --depth;
     if (c == '[' || c == '{' || c == ',') ++values;
-    if (depth > kDeepest) throw Error(file + ": nests deeper than any file of this program; check that it is the right file");
+    if (depth > kDeepest)
+      throw Error(file + ": nests deeper than any file of this program; check that it is the right file");
     if (values > kMostValues) {
       throw Error(file + ": holds more than " + std::to_string(kMostValues / 1'000'000) +
                   " million values, more than fits into memory; thin out its contours");

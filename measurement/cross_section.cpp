@@ -111,6 +111,17 @@ std::vector<FrameMarks> marks_by_frame(const Structure& structure, const Complai
   return marks;
 }
 
+// Frames lost on the way are made good by their neighbours; at the ends nothing stands for them.
+std::string lost_warning(const std::vector<CrossSection>& sections, std::vector<int> lost) {
+  const bool start = !sections.empty() && lost.front() < sections.front().frame;
+  const bool end = !sections.empty() && lost.back() > sections.back().frame;
+  std::string text = frame_list(std::move(lost)) + " left out: no valid position is known there";
+  if (start || end) text += ", so the organ is not measured";
+  if (start) text += " before frame " + std::to_string(sections.front().frame);
+  if (end) text += std::string(start ? " nor" : "") + " beyond frame " + std::to_string(sections.back().frame);
+  return text;
+}
+
 }  // namespace
 
 PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons) {
@@ -166,7 +177,7 @@ std::vector<CrossSection> cross_sections(const Structure& structure, const Frame
     sections.push_back(section);
   }
   if (!lost.empty() && warnings) {
-    warnings->push_back(frame_list(std::move(lost)) + " left out: the tracker gave no valid position there");
+    warnings->push_back(lost_warning(sections, std::move(lost)));
   }
   return sections;
 }

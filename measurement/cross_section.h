@@ -31,9 +31,9 @@ PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons);
 /// Cross-sections of a structure in the order of its frames, one for each frame with closed contours or an extremity.
 /// `warnings`, if any, is added to.
 ///
-/// Frames whose pose is unknown are left out and named in `warnings`. Throws Error when a contour stands on a frame
-/// that the recording does not have or on another recording of an exam, crosses itself or another one of its frame,
-/// or is open, and when an extremity's frame is outlined too.
+/// Frames whose pose is unknown are left out and named in `warnings`, which also says when they were the first or last.
+/// Throws Error when a contour stands on a frame that the recording does not have or on another recording of an exam,
+/// crosses itself or another one of its frame, or is open, and when an extremity's frame is outlined too.
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings);
 

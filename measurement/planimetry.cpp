@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -35,6 +38,9 @@ constexpr double kInsideObject = 0.5;
 // A part that is swept backwards is worth a warning from this share of the volume on: with outlines on every frame,
 // tracker noise alone makes steps back.
 constexpr double kWorthTelling = 1e-3;
+
+// Of the largest section's area. An ellipsoid that goes on beyond a section of this size has 1.3 % of its volume there.
+constexpr double kLargeEnd = 0.25;
 
 constexpr std::size_t kTurnsToName = 3;  // turns back beyond these are counted, not listed
 
@@ -157,6 +163,24 @@ std::vector<std::string> turns_back(std::span<const CrossSection> sections) {
   return warnings;
 }
 
+// A warning where the outlines stop short of the organ's ends, as far as can be told: an end may be a flat face.
+std::optional<std::string> large_end(std::span<const CrossSection> sections) {
+  double largest = 0.0;
+  for (const CrossSection& section : sections) largest = std::max(largest, section.vector_area_mm2.norm());
+  const auto percent = [&](const CrossSection& section) {
+    return static_cast<int>(std::lround(100.0 * section.vector_area_mm2.norm() / largest));
+  };
+  std::string where;
+  for (const CrossSection* section : {&sections.front(), &sections.back()}) {
+    if (section->vector_area_mm2.norm() <= kLargeEnd * largest) continue;
+    where += (where.empty() ? "" : " and ") + std::to_string(percent(*section)) + " % on frame " +
+             std::to_string(section->frame);
+  }
+  if (where.empty()) return std::nullopt;
+  return "the outlines end where the sections are still large (" + where +
+         " of the largest): what lies beyond is not measured";
+}
+
 }  // namespace
 
 bool same_sense(std::span<const CrossSection> sections) {
@@ -202,6 +226,8 @@ VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections) {
   if (sections.size() == 2) {
     measurement.warnings.push_back("only " + frames(sections.front(), sections.back()) +
                                    " are outlined: the volume is the trapezoid between them; outline more frames");
+  } else if (const auto warning = large_end(sections)) {
+    measurement.warnings.push_back(*warning);
   }
   for (std::string& warning : turns_back(sections)) measurement.warnings.push_back(std::move(warning));
   return measurement;

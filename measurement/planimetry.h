@@ -40,7 +40,7 @@ bool same_sense(std::span<const CrossSection> sections);
 struct VolumeMeasurement {
   PlanimetryVolumes volumes;
   int sections = 0;
-  std::vector<std::string> warnings;  ///< one section only, a sweep that turns back, a rotational sweep, ...
+  std::vector<std::string> warnings;  ///< one section only, a sweep that turns back or stops short, ...
 };
 
 /// Measures by all methods. Never throws for a sweep that has no volume: says why in `warnings` instead. More is

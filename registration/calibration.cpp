@@ -12,7 +12,7 @@ namespace fathom {
 
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 64u << 20;
+constexpr std::uintmax_t kMaxBytes = 8u << 20;  // results of PLUS have 1 MB; parsed, XML takes 50 times its length
 constexpr double kMinPixelMm = 0.002;  // a quarter of the finest ophthalmic scanner's: smaller means metres or worse
 constexpr double kMaxPixelMm = 5.0;    // a B-scan of 500 pixels would be 2.5 m wide
 constexpr double kMaxSkewCosine = 0.5;

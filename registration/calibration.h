@@ -31,8 +31,8 @@ struct Calibration {
 
 /// Reads Fathom's JSON or a PLUS XML (the `Image` to `Probe` transform under CoordinateDefinitions or
 /// CalibrationResults; `probe_frame` names another target to look for first). The file's first bytes decide.
-/// Throws Error when the file is damaged, has no such transform, or the transform is not finite, is singular, or does
-/// not look like millimetres per pixel.
+/// Throws Error when the file is damaged, longer than 8 MB, has no such transform, or the transform is not finite, is
+/// singular, or does not look like millimetres per pixel.
 Calibration read_calibration(const std::filesystem::path& path, const std::optional<std::string>& probe_frame = {});
 
 /// The text of Fathom's JSON calibration file; reads back as the same calibration.

@@ -7,6 +7,8 @@
 
 #include <Eigen/SVD>
 
+#include "acquisition/header_text.h"
+
 namespace fathom {
 
 namespace {
@@ -34,30 +36,44 @@ bool knows_coordinates(const RecordingHeader& header, const std::string& name) {
   });
 }
 
-// Breadth first over the transforms as undirected edges between coordinates.
+struct Edge {
+  std::string to;
+  PoseChain::Step step;
+};
+
+// The transforms as undirected edges between coordinates. Those of the image are pixels to millimetres, no motions: a
+// way through them would be shorter at times, but never a pose.
+std::map<std::string, std::vector<Edge>> edges_of(const RecordingHeader& header) {
+  constexpr const char* kImage = "Image";
+  std::map<std::string, std::vector<Edge>> edges;
+  for (std::size_t i = 0; i < header.transforms.size(); ++i) {
+    const auto ends = split_transform_name(header.transforms[i]);
+    if (!ends || ends->first == kImage || ends->second == kImage) continue;
+    edges[ends->first].push_back({ends->second, {i, false}});
+    edges[ends->second].push_back({ends->first, {i, true}});
+  }
+  return edges;
+}
+
+// Breadth first, so that the chain is the shortest.
 std::optional<PoseChain> search(const RecordingHeader& header, const std::string& probe, const std::string& reference) {
-  struct Arrival {
-    std::string from;
-    PoseChain::Step step;
-  };
-  std::map<std::string, Arrival> arrivals;
+  const auto edges = edges_of(header);
+  std::map<std::string, Edge> arrivals;  // Edge::to is where one came from
   std::deque<std::string> queue{probe};
   while (!queue.empty() && !arrivals.contains(reference)) {
     const std::string here = queue.front();
     queue.pop_front();
-    for (std::size_t i = 0; i < header.transforms.size(); ++i) {
-      const auto ends = split_transform_name(header.transforms[i]);
-      if (!ends || (ends->first != here && ends->second != here)) continue;
-      const bool inverted = ends->second == here;
-      const std::string& next = inverted ? ends->first : ends->second;
-      if (next == probe || arrivals.contains(next)) continue;
-      arrivals[next] = {here, {i, inverted}};
-      queue.push_back(next);
+    const auto leaving = edges.find(here);
+    if (leaving == edges.end()) continue;
+    for (const Edge& edge : leaving->second) {
+      if (edge.to == probe || arrivals.contains(edge.to)) continue;
+      arrivals[edge.to] = {here, edge.step};
+      queue.push_back(edge.to);
     }
   }
   if (!arrivals.contains(reference)) return std::nullopt;
   PoseChain chain{probe, reference, {}};
-  for (std::string at = reference; at != probe; at = arrivals[at].from) chain.steps.push_back(arrivals[at].step);
+  for (std::string at = reference; at != probe; at = arrivals[at].to) chain.steps.push_back(arrivals[at].step);
   std::reverse(chain.steps.begin(), chain.steps.end());
   return chain;
 }
@@ -84,8 +100,13 @@ std::optional<std::pair<std::string, std::string>> split_transform_name(const st
 PoseChain find_pose_chain(const Recording& recording, const FrameNames& names) {
   const RecordingHeader& header = recording.header();
   if (const auto chain = chosen_or_usual(header, names)) return *chain;
+  constexpr std::size_t kLongestList = 300;  // characters in a message
   std::string have;
-  for (const std::string& name : header.transforms) have += (have.empty() ? "" : ", ") + name;
+  for (const std::string& name : header.transforms) {
+    have += (have.empty() ? "" : ", ") + name;
+    if (have.size() > kLongestList) break;
+  }
+  have = printable(have, kLongestList);
   throw Error(recording.name() + ": no transforms lead from " + names.probe.value_or("Probe") + " to " +
               names.reference.value_or("Reference or Tracker") + "; " +
               (have.empty() ? "the recording has none at all, give one with a tracker's poses"
@@ -113,7 +134,7 @@ std::optional<Eigen::Isometry3d> reference_from_probe(const Recording& recording
     const std::optional<Pose>& stored = header.poses[step.transform];
     if (!stored || !stored->valid()) return std::nullopt;
     const Eigen::Isometry3d moved =
-        orthonormal(stored->matrix, recording.name() + ": " + recording.header().transforms[step.transform] +
+        orthonormal(stored->matrix, recording.name() + ": " + printable(recording.header().transforms[step.transform]) +
                                         " of frame " + std::to_string(frame));
     pose = (step.inverted ? moved.inverse() : moved) * pose;
   }

@@ -31,7 +31,8 @@ struct PoseChain {
 /// "ProbeToTracker" -> {"Probe", "Tracker"}; empty where the name does not read so.
 std::optional<std::pair<std::string, std::string>> split_transform_name(const std::string& name);
 
-/// The shortest chain, inverses allowed. Throws Error, listing what the recording has, when there is none.
+/// The shortest chain, inverses allowed, transforms of the image (pixels, no motion) left out. Throws Error, listing
+/// what the recording has, when there is none.
 PoseChain find_pose_chain(const Recording& recording, const FrameNames& names);
 
 /// The chain to look at when nothing was chosen: as find_pose_chain, else the transform that the recording itself

@@ -17,7 +17,8 @@ namespace fathom {
 
 namespace {
 
-constexpr double kFarOutside = 0.25;  // of the image's size
+constexpr double kFarOutside = 0.25;       // of the image's size
+constexpr std::size_t kLongestName = 200;  // bytes
 
 // Recording and frame.
 using Place = std::pair<int, int>;
@@ -84,6 +85,18 @@ std::string quoted(const std::string& text) {
 
 }  // namespace
 
+std::optional<std::string> name_fault(const std::string& name) {
+  if (name.empty()) return "is empty";
+  if (name.size() > kLongestName) return "is too long for a name";
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(name[i]);
+    // A terminal obeys those from U+0080 to U+009F too, which UTF-8 writes as two bytes.
+    const bool high = byte == 0xc2 && i + 1 < name.size() && static_cast<unsigned char>(name[i + 1]) < 0xa0;
+    if (byte < 0x20 || byte == 0x7f || high) return "must not contain control characters";
+  }
+  return std::nullopt;
+}
+
 std::string contours_json(const std::vector<Structure>& structures) {
   std::string text = "{\"fathom_contours\": 1, \"structures\": [";
   for (std::size_t i = 0; i < structures.size(); ++i) {
@@ -97,17 +110,29 @@ std::string contours_json(const std::vector<Structure>& structures) {
   return text + "\n]}\n";
 }
 
-void require_frames(const std::vector<Structure>& structures, int frame_count, const std::string& file) {
+void require_measurable(const std::vector<Structure>& structures, int frame_count, const std::string& file) {
   for (const Structure& structure : structures) {
-    const auto require = [&](int frame, int recording) {
-      if (recording != 0 || (frame >= 0 && frame < frame_count)) return;
-      throw Error(file + ": structure " + structure.name + ": frame " + std::to_string(frame) +
-                  " is not in the recording, which has " + std::to_string(frame_count) +
-                  " frames, numbered from 0; give the contours that were drawn on this recording");
+    const auto fail = [&](int frame, const std::string& what) {
+      throw Error(file + ": structure " + structure.name + ": frame " + std::to_string(frame) + " " + what);
     };
-    for (const Contour& contour : structure.contours) require(contour.frame, contour.recording);
-    for (const AbsentMark& mark : structure.absent) require(mark.frame, mark.recording);
-    for (const Extremity& extremity : structure.extremities) require(extremity.frame, extremity.recording);
+    const auto require_place = [&](int frame, int recording) {
+      if (recording != 0) {
+        fail(frame, "stands on recording " + std::to_string(recording) +
+                        " of an exam; give the contours that were drawn on this recording alone");
+      }
+      if (frame < 0 || frame >= frame_count) {
+        fail(frame, "is not in the recording, which has " + std::to_string(frame_count) +
+                        " frames, numbered from 0; give the contours that were drawn on this recording");
+      }
+    };
+    for (const Contour& contour : structure.contours) {
+      require_place(contour.frame, contour.recording);
+      if (!contour.closed) {
+        fail(contour.frame, "has an open contour, which encloses no area; close it, or leave it out");
+      }
+    }
+    for (const AbsentMark& mark : structure.absent) require_place(mark.frame, mark.recording);
+    for (const Extremity& extremity : structure.extremities) require_place(extremity.frame, extremity.recording);
   }
 }
 

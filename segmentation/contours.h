@@ -34,6 +34,10 @@ struct Extremity {
   int recording = 0;
 };
 
+/// Why a text cannot be the name of a structure, for the user: "is empty", "must not contain control characters", "is
+/// too long for a name". Empty where it can.
+std::optional<std::string> name_fault(const std::string& name);
+
 /// One organ or lesion, as outlined.
 struct Structure {
   std::string name;
@@ -52,9 +56,10 @@ std::vector<Structure> read_contours(const std::filesystem::path& path);
 /// The text of a contours file, frames ascending; reads back as the same structures.
 std::string contours_json(const std::vector<Structure>& structures);
 
-/// Throws Error when a contour stands on a frame that a recording of `frame_count` frames does not have. `file` is
-/// the contours file, for the message.
-void require_frames(const std::vector<Structure>& structures, int frame_count, const std::string& file);
+/// Throws Error when structures cannot be measured on a recording of `frame_count` frames: a contour, extremity or mark
+/// stands on a frame that it does not have or on another recording of an exam, or a contour is open. `file` is the
+/// contours file, for the message.
+void require_measurable(const std::vector<Structure>& structures, int frame_count, const std::string& file);
 
 /// A warning for the user where outlines reach farther out of the image than a quarter of its size: they may have been
 /// drawn on another recording. Allowed, since an organ may be larger than the image. `width` and `height` in pixels.

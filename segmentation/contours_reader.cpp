@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::size_t kMostPoints = 1'000'000;  // in one contour
 constexpr double kFarthest = 1e6;               // pixels
-constexpr std::size_t kLongestName = 200;       // bytes
 
 Eigen::Vector2d read_point(const JsonValue& value) {
   if (value.size() != 2) value.fail("must be a point: two numbers, x and y");
@@ -86,10 +85,7 @@ void require_consistent(const JsonValue& value, const Structure& structure) {
 
 std::string read_name(const JsonValue& value) {
   const std::string name = value.string();
-  if (name.empty()) value.fail("is empty; give the structure a name");
-  if (name.size() > kLongestName) value.fail("is too long for a name");
-  const auto control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
-  if (std::any_of(name.begin(), name.end(), control)) value.fail("must not contain control characters");
+  if (const auto fault = name_fault(name)) value.fail(*fault);
   return name;
 }
 

@@ -15,7 +15,7 @@ namespace fathom {
 void ThresholdRecordingOptions::check() const {
   threshold.check();
   if (every < 1) throw Error("every: must be at least 1; 1 outlines all frames, 10 every tenth");
-  if (structure.empty()) throw Error("structure: must not be empty; give the structure a name");
+  if (const auto fault = name_fault(structure)) throw Error("name of the structure: " + *fault + "; choose another");
 }
 
 namespace {

@@ -17,17 +17,16 @@ namespace fathom {
 
 namespace {
 
-constexpr double kMaxShift_mm = 1000.0;  // larger disturbances are typing errors
-constexpr double kMaxTurn_deg = 180.0;
-constexpr double kMaxLatency_s = 10.0;
 constexpr double kMm3PerMl = 1000.0;
 constexpr double kMm2PerCm2 = 100.0;
+constexpr int kFramesPerReport = 64;  // outlined in some tenths of a second
 
 void require_within(const char* what, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return;  // false for what is not a number
   const auto text = [](double number) { return nlohmann::json(number).dump(); };
-  throw Error(std::string("simulate: the ") + what + " cannot be " + (std::isfinite(value) ? text(value) : "infinite") +
-              "; choose from " + text(low) + " to " + text(high) + " " + unit);
+  throw Error(std::string("simulate: the ") + what + " cannot be " +
+              (std::isfinite(value) ? text(value) : "without a finite value") + "; choose from " + text(low) + " to " +
+              text(high) + " " + unit);
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -69,7 +68,8 @@ RecordingHeader recorded_header(const ProbeMotion& motion) {
   return header;
 }
 
-Structure true_outlines(const Phantom& phantom, const ScanPath& path, const ProbeMotion& motion, bool steady) {
+Structure true_outlines(const Phantom& phantom, const ScanPath& path, const ProbeMotion& motion, bool steady,
+                        const Progress& progress) {
   const int count = static_cast<int>(motion.times_s.size());
   const auto touch_of = [&](int frame) -> const Contact* {
     // An unsteady plane cuts or misses; a plane that lies in a flat face sees the face.
@@ -79,13 +79,17 @@ Structure true_outlines(const Phantom& phantom, const ScanPath& path, const Prob
     return nullptr;
   };
   std::vector<std::vector<Polygon>> outlines(static_cast<std::size_t>(count));
-  cv::parallel_for_(cv::Range(0, count), [&](const cv::Range& range) {
-    for (int frame = range.start; frame < range.end; ++frame) {
-      if (touch_of(frame) != nullptr) continue;
-      const auto i = static_cast<std::size_t>(frame);
-      outlines[i] = section_outlines(*phantom.solid, motion.phantom_from_image[i]);
-    }
-  });
+  for (int first = 0; first < count; first += kFramesPerReport) {
+    report(progress, static_cast<double>(first) / count);
+    cv::parallel_for_(cv::Range(first, std::min(count, first + kFramesPerReport)), [&](const cv::Range& range) {
+      for (int frame = range.start; frame < range.end; ++frame) {
+        if (touch_of(frame) != nullptr) continue;
+        const auto i = static_cast<std::size_t>(frame);
+        outlines[i] = section_outlines(*phantom.solid, motion.phantom_from_image[i]);
+      }
+    });
+  }
+  report(progress, 1.0);
 
   Structure structure;
   structure.name = phantom.name;
@@ -122,7 +126,7 @@ void SimulateOptions::check() const {
   require_within("latency", latency_s, -kMaxLatency_s, kMaxLatency_s, "seconds");
 }
 
-SimulatedScan simulate(const SimulateOptions& options) {
+SimulatedScan simulate(const SimulateOptions& options, const Progress& progress) {
   options.check();
   const Phantom phantom = make_phantom(options.object);
   const ScanPath path = make_scan_path(phantom, options.pattern);
@@ -131,7 +135,7 @@ SimulatedScan simulate(const SimulateOptions& options) {
   scan.calibration = simulated_calibration(phantom, options.latency_s);
   ProbeMotion motion = move_probe(path, phantom, scan.calibration, options);
   const bool steady = options.jitter_mm == 0.0 && options.jitter_deg == 0.0;
-  scan.outlines = {true_outlines(phantom, path, motion, steady)};
+  scan.outlines = {true_outlines(phantom, path, motion, steady, progress)};
   scan.truth.volume_ml = phantom.solid->volume_mm3() / kMm3PerMl;
   scan.truth.surface_area_cm2 = phantom.solid->area_mm2() / kMm2PerCm2;
   scan.truth.structures = {{phantom.name, scan.truth.volume_ml}};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acquisition/recording.h"
+#include "core/progress.h"
 #include "registration/calibration.h"
 #include "segmentation/contours.h"
 
@@ -15,9 +16,13 @@ namespace fathom {
 struct SimulateOptions {
   /// 13 minutes at 25 frames a second; the true outlines of all are held in memory, 5 kB a frame.
   static constexpr int kMaxFrames = 20000;
+  /// Larger disturbances are typing errors.
+  static constexpr double kMaxShift_mm = 1000.0;
+  static constexpr double kMaxTurn_deg = 180.0;
+  static constexpr double kMaxLatency_s = 10.0;  ///< either way
 
-  std::string object = "sphere";   ///< one of object_names()
-  std::string pattern = "linear";  ///< one of pattern_names()
+  std::string object = "sphere";   ///< one of object_names(), sim/phantom.h
+  std::string pattern = "linear";  ///< one of pattern_names(), sim/scan_path.h
   int frames = 20;                 ///< 1 to kMaxFrames
   std::uint64_t seed = 1;          ///< the same seed gives the same bytes
   double jitter_mm = 0.0;          ///< unsteady hand, before the scan: uniform in +- on each of three axes
@@ -51,11 +56,8 @@ struct SimulatedScan {
   std::vector<Structure> outlines;  ///< true outlines, not thresholded; extremities where a plane only touches
 };
 
-/// Throws Error as SimulateOptions::check.
-SimulatedScan simulate(const SimulateOptions& options);
-
-std::vector<std::string> object_names();
-std::vector<std::string> pattern_names();
+/// Throws Error as SimulateOptions::check; Cancelled.
+SimulatedScan simulate(const SimulateOptions& options, const Progress& progress = {});
 
 /// The text of the truth file (docs/file-formats.md).
 std::string truth_json(const SimulatedScan& scan, const SimulateOptions& options);

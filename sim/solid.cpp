@@ -111,6 +111,19 @@ double spiked_ball_reach_mm(const Eigen::Vector3d& centre, double r, const std::
   return reach;
 }
 
+/// Whether no two spikes overlap outside the ball, where each stays within the cone from the ball's centre through the
+/// circle in which it leaves the ball.
+[[maybe_unused]] bool spikes_keep_apart(double r, const std::vector<Spike>& spikes) {
+  const auto exit_angle = [&](const Spike& spike) { return std::acos(exit_distance_mm(r, spike) / r); };
+  for (std::size_t i = 0; i < spikes.size(); ++i) {
+    for (std::size_t k = i + 1; k < spikes.size(); ++k) {
+      const double between = std::acos(std::clamp(spikes[i].direction.dot(spikes[k].direction), -1.0, 1.0));
+      if (between < exit_angle(spikes[i]) + exit_angle(spikes[k])) return false;
+    }
+  }
+  return true;
+}
+
 class SpikedBall final : public Solid {
  public:
   SpikedBall(const Eigen::Vector3d& centre, double radius, std::vector<Spike> spikes)
@@ -124,6 +137,7 @@ class SpikedBall final : public Solid {
       cosines_.push_back(std::cos(spike.half_angle_rad));
       sines_.push_back(std::sin(spike.half_angle_rad));
     }
+    assert(spikes_keep_apart(radius, spikes_));
   }
 
   double distance_bound_mm(const Eigen::Vector3d& x) const override {

@@ -11,7 +11,7 @@
 #include "acquisition/file_recording.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 namespace fathom {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "acquisition/recording.h"
 #include "core/error.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 namespace fathom {
 namespace {

@@ -5,7 +5,7 @@
 #include <zlib.h>
 
 #include "acquisition/recording.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 namespace fathom {
 namespace {
@@ -124,6 +124,26 @@ TEST(MetaImage, OneImageAndFlatVolumesAreFrames) {
                              "ObjectType = Image\nNDims = 4\nDimSize = 2 1 1 2\nElementType = MET_UCHAR\n"
                              "ElementDataFile = LOCAL\nabcd");
   EXPECT_EQ(two->image(1).at<uchar>(0, 1), 'd');
+}
+
+TEST(MetaImage, ColoursMayBeAnAxisAsPlusWritesThem) {
+  const TestFolder folder;
+  const std::string text =
+      "ObjectType = Image\nNDims = 3\nDimSize = 3 2 1       2\nElementNumberOfChannels = 3\n"
+      "ElementType = MET_UCHAR\nKinds = vector domain domain  list\nElementDataFile = LOCAL\nabcdefghijkl";
+  const auto recording = open_text(folder, text);
+  EXPECT_EQ(recording->header().pixel_type, CV_8UC3);
+  EXPECT_EQ(recording->header().width, 2);
+  EXPECT_EQ(recording->image(1).at<cv::Vec3b>(0, 1), cv::Vec3b('j', 'k', 'l'));
+  std::string wrong = text;
+  expect_refused(folder.write("w.mha", wrong.replace(wrong.find("Channels = 3"), 12, "Channels = 1")), "Channels");
+}
+
+TEST(MetaImage, AxesInAnotherOrderAreRefusedNotMisread) {
+  const TestFolder folder;
+  expect_refused(folder.write("t.mha", tiny_metaimage(2, "Kinds = list domain domain\n")), "in this order");
+  expect_refused(folder.write("t.mha", tiny_metaimage(2, "Kinds = domain list\n")), "kinds");
+  EXPECT_NO_THROW(open_text(folder, tiny_metaimage(2, "Kinds = domain domain list\n")));
 }
 
 TEST(MetaImage, AnInvalidPoseMayHoldAnyFiniteNumbersAndAnImagePoseAnyScale) {

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "acquisition/recording.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 namespace fathom {
 namespace {

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 namespace fathom {
 namespace {

@@ -6,12 +6,13 @@
 #include <zlib.h>
 
 #include "acquisition/recording.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
+#include "tests/real_recordings.h"
 
 namespace fathom {
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(FATHOM_SOURCE_DIR) / ".." / "shared" / "data" / "plus";
+const std::filesystem::path kFolder = real_recordings();
 
 struct Facts {
   const char* file;

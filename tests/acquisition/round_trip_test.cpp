@@ -5,7 +5,7 @@
 
 #include "acquisition/recording.h"
 #include "core/error.h"
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 namespace fathom {
 namespace {
@@ -118,6 +118,18 @@ TEST(WriteRecording, UnknownExtensionIsRefusedAndNothingIsWritten) {
     EXPECT_THROW(write_recording(sample_recording(), folder / name), Error);
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(WriteRecording, PixelFilesGetOnlyNamesThatAHeaderCanHold) {
+  const TestFolder folder;
+  for (const char* name : {"50%.mhd", "LIST.mhd", "two\nlines.mhd", "back\\slash.mhd", " blank.mhd"}) {
+    EXPECT_THROW(write_recording(sample_recording(), folder / name), Error) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  for (const char* name : {"list of scans.mhd", "caf\xC3\xA9.mhd", "a=b.mhd"}) {
+    write_recording(sample_recording(), folder / name);
+    expect_same(*open_recording(folder / name), sample_recording());
+  }
 }
 
 TEST(WriteRecording, WhatCouldNotBeReadBackIsRefused) {

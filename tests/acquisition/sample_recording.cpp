@@ -1,4 +1,4 @@
-#include "sample_recording.h"
+#include "tests/acquisition/sample_recording.h"
 
 #include <algorithm>
 #include <fstream>

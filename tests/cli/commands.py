@@ -58,6 +58,12 @@ def wrong_command_lines(program, folder, tally):
         "simulate --object sphere --pattern linear --frames 5 --noise-mm -1 --out s.mha",
         "simulate --object sphere --pattern linear --frames 5 --noise-mm nan --out s.mha",
         "segment a.mha --out c.json", "segment a.mha --threshold high --out c.json", "segment a.mha --threshold 128",
+        "simulate --object sphere --pattern linear --frames 5 --noise-mm 1e9 --out s.mha",
+        "simulate --object sphere --pattern linear --frames 5 --jitter-deg 181 --out s.mha",
+        "simulate --object sphere --pattern linear --frames 5 --latency-s nan --out s.mha",
+        "simulate --object sphere --pattern linear --frames 5 --seed -1 --out s.mha",
+        "simulate --object sphere --pattern linear --frames 5 --seed 18446744073709551616 --out s.mha",
+        "segment a.mha --threshold nan --out c.json", "segment a.mha --threshold 128 --structure= --out c.json",
         "segment a.mha --threshold 128 --every 0 --out c.json", "measure a.mha", "measure a.mha --calibration c.json",
         "measure a.mha --contours c.json", "demo --out", "demo --frames-per-second-please 3",
     )

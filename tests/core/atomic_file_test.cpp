@@ -139,6 +139,23 @@ TEST(AtomicFile, FollowsALinkAndKeepsIt) {
   EXPECT_EQ(content_of(folder / "store/real.txt"), "new");
 }
 
+TEST(AtomicFile, CreatesTheFileThatADanglingLinkNames) {
+  const ScratchFolder folder;
+  std::filesystem::create_symlink("real.txt", folder / "link.txt");
+  AtomicFile file(folder / "link.txt");
+  file.write("new");
+  file.commit();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.txt"));
+  EXPECT_EQ(content_of(folder / "real.txt"), "new");
+}
+
+TEST(AtomicFile, RefusesALinkToItself) {
+  const ScratchFolder folder;
+  std::filesystem::create_symlink("loop.txt", folder / "loop.txt");
+  EXPECT_THAT(message_of<Error>([&] { AtomicFile file(folder / "loop.txt"); }), HasSubstr("leads nowhere"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "loop.txt"));
+}
+
 TEST(AtomicFile, RefusesAFolderInThePlaceOfTheFile) {
   const ScratchFolder folder;
   std::filesystem::create_directory(folder / "a");

@@ -97,6 +97,15 @@ TEST(JsonFile, MustBeCompleteAndFinite) {
   }
 }
 
+TEST(JsonFile, IsRefusedBeforeItTakesMemory) {
+  EXPECT_THAT(reading(std::string(20 << 20, '[')), HasSubstr("nests deeper"));
+  std::string many = "[0";
+  for (int i = 0; i < 7000000; ++i) many += ",0";
+  EXPECT_THAT(reading(many + "]"), HasSubstr("million values"));
+  // Inside a text, brackets and commas are only letters.
+  EXPECT_EQ(reading("[\"" + std::string(1000, '[') + std::string(7000000, ',') + "\\\"[\"]"), "");
+}
+
 TEST(JsonFile, MustBeThere) {
   const ScratchFolder folder;
   EXPECT_THAT(message_of<Error>([&] { JsonValue::read_file(folder / "no.json"); }), HasSubstr("does not exist"));

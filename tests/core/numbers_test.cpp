@@ -1,6 +1,7 @@
 #include "core/numbers.h"
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
@@ -20,8 +21,9 @@ TEST(ParseReal, TakesOneWholeFiniteNumber) {
   EXPECT_EQ(parse_real("-8.43482e-005"), -8.43482e-5);
   EXPECT_EQ(parse_real("+1."), 1.0);
   EXPECT_EQ(parse_real("345.627957"), 345.627957);
+  EXPECT_EQ(parse_real("1.e-400"), 0.0);
   for (const std::string text :
-       {"", " 1", "1 ", "1,5", "1.5mm", "nan", "inf", "-inf", "1e999", "0x10", "--1", "+", "."}) {
+       {"", " 1", "1 ", "1,5", "1.5mm", "nan", "inf", "-inf", "1e999", "0x10", "--1", "+-1", "-", "+", "."}) {
     EXPECT_EQ(parse_real(text), std::nullopt) << text;
   }
 }

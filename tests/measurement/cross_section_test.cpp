@@ -174,6 +174,24 @@ TEST(CrossSections, LeaveOutFramesWithoutAPoseAndNameThem) {
   EXPECT_NO_THROW(cross_sections(structure, scan.locator, nullptr));
 }
 
+TEST(CrossSections, SayWhenFramesLostAtTheEndsOfASweepLeaveAPartUnmeasured) {
+  const auto warning = [](const std::vector<int>& lost) {
+    auto poses = random_poses(9);
+    for (const int frame : lost) poses[static_cast<std::size_t>(frame)] = std::nullopt;
+    const Fixture scan(poses);
+    Structure structure;
+    for (int frame = 1; frame < 8; ++frame) structure.contours.push_back(contour(frame, box(1, 1, 5, 5)));
+    std::vector<std::string> warnings;
+    cross_sections(structure, scan.locator, &warnings);
+    return warnings.empty() ? std::string() : warnings.back();
+  };
+  EXPECT_EQ(warning({0, 8}), "") << "nothing was outlined there";
+  EXPECT_EQ(warning({4}).find("not measured"), std::string::npos);
+  EXPECT_NE(warning({1, 2}).find("not measured before frame 3"), std::string::npos) << warning({1, 2});
+  EXPECT_NE(warning({4, 7}).find("not measured beyond frame 6"), std::string::npos) << warning({4, 7});
+  EXPECT_NE(warning({1, 7}).find("not measured before frame 2 nor beyond frame 6"), std::string::npos);
+}
+
 TEST(CrossSections, RefuseWhatHasNoDefiniteAreaAndSayWhere) {
   const Fixture scan(random_poses(5));
   const auto complaint = [&](const Structure& structure) -> std::string {

@@ -229,6 +229,22 @@ TEST(Planimetry, DoesNotWarnOfASteadySweepHoweverUneven) {
   EXPECT_TRUE(measure_planimetry(sphere_free(10.0, 0.7, 20)).warnings.empty());
 }
 
+TEST(Planimetry, WarnsWhereTheOutlinesStopShortOfTheEnds) {
+  const Sections sphere = sphere_linear(10.0, 21);
+  const auto warnings = [&](int from, int to) {
+    return measure_planimetry(
+               std::span(sphere).subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from + 1)))
+        .warnings;
+  };
+  // A section 1 mm inside a ball of 10 mm has 19 % of the largest; 2 mm inside, 36 %.
+  EXPECT_TRUE(warnings(0, 20).empty());
+  EXPECT_TRUE(warnings(1, 19).empty());
+  ASSERT_EQ(warnings(0, 18).size(), 1u);
+  EXPECT_NE(warnings(0, 18)[0].find("(36 % on frame 18 of the largest)"), std::string::npos) << warnings(0, 18)[0];
+  ASSERT_EQ(warnings(2, 15).size(), 1u);
+  EXPECT_NE(warnings(2, 15)[0].find("(36 % on frame 2 and 75 % on frame 15 of"), std::string::npos);
+}
+
 TEST(Planimetry, RefusesARotationalSweep) {
   // A kidney-shaped thing turned under the probe: by half a turn and more, and by a third of a turn.
   for (const double degrees : {100.0, 120.0, 170.0, 180.0, 200.0, 350.0}) {

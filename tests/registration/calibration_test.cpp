@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/text_file.h"
+#include "tests/real_recordings.h"
 
 namespace fathom {
 namespace {
@@ -94,7 +95,7 @@ TEST_F(CalibrationFile, PlusTransformIsFoundInBothOfItsSections) {
 }
 
 TEST_F(CalibrationFile, RealPlusResultIsReadAsItsTextSays) {
-  const std::filesystem::path data = std::filesystem::path(FATHOM_SOURCE_DIR) / "../shared/data/plus";
+  const std::filesystem::path data = real_recordings();
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "the real recordings are not beside the project";
   const Calibration read = read_calibration(data / "FreehandCalibration3NWires_fCal2.0.results.xml");
   EXPECT_EQ(read.probe_from_image.translation(), Eigen::Vector3d(11.2137, 48.4162, -0.398993));
@@ -117,6 +118,14 @@ TEST_F(CalibrationFile, FaultsAreNamed) {
             std::string::npos);
   EXPECT_NE(complaint("<Plus><CoordinateDefinitions/></Plus>").find("no transform"), std::string::npos);
   EXPECT_NE(complaint("<Plus><Coord").find("XML"), std::string::npos);
+  EXPECT_NE(complaint("<?xml version='1.0'?>\n<!-- nothing -->").find("without any element"), std::string::npos);
+  std::string attributes = "<Plus><a";
+  for (int i = 0; i < 100'000; ++i) attributes += " a" + std::to_string(i) + "=''";
+  EXPECT_NE(complaint(attributes + "/></Plus>").find("attributes"), std::string::npos);
+  // Each of these small elements would be parsed into a hundred bytes.
+  std::string many = "<Plus>";
+  while (many.size() <= 8u << 20) many += "<a/>";
+  EXPECT_NE(complaint(many + "</Plus>").find("8 MB"), std::string::npos);
 }
 
 }  // namespace

@@ -37,6 +37,32 @@ TEST(PoseChain, EndsAtTheTrackerWhereThereIsNoReference) {
   EXPECT_EQ(find_pose_chain(*recording, {}).reference, "Tracker");
 }
 
+TEST(PoseChain, NeverLeadsThroughTheImage) {
+  const auto recording =
+      recording_of_poses({"ImageToProbe", "ImageToReference", "ProbeToTracker", "ReferenceToTracker"},
+                         {std::vector(4, Eigen::Isometry3d::Identity())});
+  const PoseChain chain = find_pose_chain(*recording, {});
+  ASSERT_EQ(chain.steps.size(), 2u);
+  EXPECT_EQ(chain.steps[0].transform, 2u);
+  EXPECT_FALSE(chain.steps[0].inverted);
+  EXPECT_EQ(chain.steps[1].transform, 3u);
+  EXPECT_TRUE(chain.steps[1].inverted);
+}
+
+TEST(PoseChain, IsFoundAmongVeryManyTransformsAndSaidBriefly) {
+  // Every search step used to look at every transform: this many took a quarter of an hour.
+  std::vector<std::string> names;
+  for (int i = 0; i < 50'000; ++i) names.push_back("A" + std::to_string(i) + "ToA" + std::to_string(i + 1));
+  const auto recording = recording_of_poses(names, {std::vector(names.size(), Eigen::Isometry3d::Identity())});
+  EXPECT_EQ(find_pose_chain(*recording, {.probe = "A0", .reference = "A50000"}).steps.size(), 50'000u);
+  try {
+    find_pose_chain(*recording, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_LT(std::string(error.what()).size(), 600u);
+  }
+}
+
 TEST(PoseChain, NeverGuessesWhichToolIsTheProbe) {
   const auto recording = recording_of_poses({"ToolToTracker"}, {{Eigen::Isometry3d::Identity()}});
   try {

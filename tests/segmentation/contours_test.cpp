@@ -163,8 +163,9 @@ TEST_F(Contours, RefuseNamesAndColoursThatCannotBeShown) {
     return "{\"fathom_contours\": 1, \"structures\": [{\"contours\": [], " + members + "}]}";
   };
   EXPECT_EQ(complaint(structure(R"("name": "a", "color": "#00FFaa")")), "");
-  for (const char* members : {R"("name": "")", R"("name": 1)", R"("name": "a\nb")", R"("name": "a", "color": "red")",
-                              R"("name": "a", "color": "#12345")", R"("name": "a", "color": "#12345g")"}) {
+  for (const char* members :
+       {R"("name": "")", R"("name": 1)", R"("name": "a\nb")", R"("name": "a\u009b1m")",
+        R"("name": "a", "color": "red")", R"("name": "a", "color": "#12345")", R"("name": "a", "color": "#12345g")"}) {
     EXPECT_NE(complaint(structure(members)), "") << members;
   }
   EXPECT_NE(complaint(structure("\"name\": \"" + std::string(1000, 'a') + "\"")), "");
@@ -185,13 +186,30 @@ TEST_F(Contours, RefuseRubbishThatWouldParseIntoGigabytes) {
 
 TEST_F(Contours, OnFramesThatTheRecordingDoesNotHaveAreAnError) {
   auto structures = read_contours(file(with(R"({"frame": 9, "points": [[0, 0], [1, 0], [0, 1]]})")));
-  EXPECT_NO_THROW(require_frames(structures, 10, "c.json"));
-  EXPECT_THROW(require_frames(structures, 9, "c.json"), Error);
+  EXPECT_NO_THROW(require_measurable(structures, 10, "c.json"));
+  EXPECT_THROW(require_measurable(structures, 9, "c.json"), Error);
   structures[0].extremities.push_back({10, {0.0, 0.0}, 0});
-  EXPECT_THROW(require_frames(structures, 10, "c.json"), Error);
+  EXPECT_THROW(require_measurable(structures, 10, "c.json"), Error);
   structures[0].extremities.clear();
   structures[0].absent.push_back({10, 0});
-  EXPECT_THROW(require_frames(structures, 10, "c.json"), Error);
+  EXPECT_THROW(require_measurable(structures, 10, "c.json"), Error);
+}
+
+TEST_F(Contours, ThatAreOpenOrOfAnotherRecordingAreAnErrorThatNamesTheirFile) {
+  const auto complaint_about = [&](const char* entry) -> std::string {
+    try {
+      require_measurable(read_contours(file(with(entry))), 10, "c.json");
+      return {};
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(complaint_about(R"({"frame": 9, "closed": false, "points": [[0, 0], [1, 0], [0, 1]]})")
+                .rfind("c.json: structure bladder: frame 9 has an open contour", 0),
+            0u);
+  EXPECT_EQ(complaint_about(R"({"frame": 9, "recording": 2, "point": [0, 0]})")
+                .rfind("c.json: structure bladder: frame 9 stands on recording 2", 0),
+            0u);
 }
 
 TEST_F(Contours, FarOutsideOfTheImageAreAWarningThatNamesTheFrames) {

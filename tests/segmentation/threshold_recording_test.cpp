@@ -88,8 +88,10 @@ TEST(SegmentByThreshold, RefusesColourPosesOnlyAndBadOptions) {
   options.every = 0;
   EXPECT_THROW(segment_by_threshold(squares(3, {}), options), Error);
   options.every = 1;
-  options.structure = "";
-  EXPECT_THROW(segment_by_threshold(squares(3, {}), options), Error);
+  for (const std::string& unreadable : {std::string(), std::string("a\nb"), std::string(1000, 'a')}) {
+    options.structure = unreadable;  // would make a contours file that cannot be read back
+    EXPECT_THROW(segment_by_threshold(squares(3, {}), options), Error);
+  }
 }
 
 }  // namespace

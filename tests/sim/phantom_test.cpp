@@ -80,7 +80,7 @@ TEST_P(EveryPhantom, HasTheStatedVolumeByIndependentIntegration) {
   double volume = 0.0;
   for_lines(*phantom.solid, random_rotation(random), 300,
             [&](const LineSight& sight, double area) { volume += sight.length_mm * area; });
-  EXPECT_NEAR(volume / phantom.solid->volume_mm3(), 1.0, 1e-4);
+  EXPECT_NEAR(volume / phantom.solid->volume_mm3(), 1.0, 4e-5);  // the grid's own error is up to 3e-5
 }
 
 TEST_P(EveryPhantom, HasTheStatedSurfaceAreaByCountingLineCrossings) {

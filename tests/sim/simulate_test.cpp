@@ -10,6 +10,8 @@
 
 #include "core/error.h"
 #include "measurement/planimetry.h"
+#include "sim/phantom.h"
+#include "sim/scan_path.h"
 
 namespace fathom {
 namespace {
@@ -280,6 +282,17 @@ TEST(Simulate, PosesAreRigid) {
       EXPECT_EQ(pose->matrix.row(3), Eigen::RowVector4d(0, 0, 0, 1));
     }
   }
+}
+
+TEST(Simulate, CanBeStopped) {
+  int calls = 0;
+  const auto stop = [&](double fraction) {
+    EXPECT_GE(fraction, 0.0);
+    EXPECT_LT(fraction, 1.0);
+    return ++calls < 3;
+  };
+  EXPECT_THROW(simulate(options_of("sphere", "linear", 1000), stop), Cancelled);
+  EXPECT_EQ(calls, 3);
 }
 
 TEST(Simulate, OneFrameIsAllowed) {
