@@ -22,6 +22,9 @@ struct Facts {
   unsigned long adler;  ///< of all pixels, inflated by an independent program
 };
 
+/// For the names of the tests, in place of the bytes.
+void PrintTo(const Facts& facts, std::ostream* stream) { *stream << facts.file; }
+
 class PlusRecordings : public testing::TestWithParam<Facts> {
  protected:
   void SetUp() override {
