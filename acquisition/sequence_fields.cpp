@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "acquisition/header_text.h"
+#include "acquisition/rigid.h"
 #include "core/error.h"
 #include "core/numbers.h"
 
@@ -22,7 +23,6 @@ constexpr std::string_view kTransformStatus = "TransformStatus";
 constexpr std::uint64_t kMostFrames = 1'000'000;     // four hours and a half at 60 frames/s
 constexpr std::uint64_t kMostMemory = 400ull << 20;  // keeps the whole program below 1 GB whatever a header says
 constexpr std::uint64_t kFieldOverhead = 128;        // two strings, and the slack of a vector that grows
-constexpr double kRigidTolerance = 1e-3;             // trackers' files state matrices with four to six digits
 
 bool is_ok(std::string_view status) { return status.empty() || status == "OK"; }
 
@@ -222,10 +222,7 @@ void check_pose(const Pose& pose, const std::string& transform, const std::strin
   if (!is_ok(pose.status)) return;
   if (pose.matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) refuse("does not end in the row 0 0 0 1");
   if (transform.starts_with("Image")) return;
-  const Eigen::Matrix3d rotation = pose.matrix.topLeftCorner<3, 3>();
-  const double error = (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  // Written so that an overflow to NaN is refused as well.
-  if (!(error <= kRigidTolerance && rotation.determinant() > 0.0)) refuse("is not a rotation and a shift");
+  if (!is_rigid(pose.matrix)) refuse("is not a rotation and a shift");
 }
 
 void append_field(std::string& text, std::string_view name, std::string_view value, const FieldSyntax& syntax) {

@@ -8,21 +8,18 @@
 #include <Eigen/SVD>
 
 #include "acquisition/header_text.h"
+#include "acquisition/rigid.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr double kMaxNonRigidity = 1e-3;  // poses are printed with six digits; more than this is no rounding
-
 Eigen::Isometry3d orthonormal(const Eigen::Matrix4d& matrix, const std::string& what) {
+  if (!matrix.allFinite() || !is_rigid(matrix)) {
+    throw Error(what + " is not a rigid motion; record again, or mark the frame invalid");
+  }
   const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const bool rigid =
-      matrix.allFinite() &&
-      (linear.transpose() * linear - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 2.0 * kMaxNonRigidity &&
-      linear.determinant() > 0.0;
-  if (!rigid) throw Error(what + " is not a rigid motion; record again, or mark the frame invalid");
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = svd.matrixU() * svd.matrixV().transpose();
   pose.translation() = matrix.topRightCorner<3, 1>();

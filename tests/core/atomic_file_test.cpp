@@ -12,7 +12,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "tests/core/scratch_folder.h"
+#include "tests/scratch_folder.h"
 
 namespace fathom {
 namespace {

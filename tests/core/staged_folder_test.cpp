@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "tests/core/scratch_folder.h"
+#include "tests/scratch_folder.h"
 
 namespace fathom {
 namespace {

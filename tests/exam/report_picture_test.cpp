@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "tests/exam/scan.h"
+#include "tests/scratch_folder.h"
 
 namespace fathom {
 namespace {
@@ -58,12 +58,12 @@ TEST(ReportPicture, NeedsAnOutlinedFrameWithAPose) {
 }
 
 TEST(ReportPicture, PngReadsBackAsDrawn) {
-  const auto path = std::filesystem::temp_directory_path() / ("fathom-picture-" + std::to_string(::getpid()) + ".png");
+  const ScratchFolder folder;
+  const auto path = folder / "picture.png";
   cv::Mat picture(40, 60, CV_8UC3);
   cv::randu(picture, 0, 256);
   write_png(picture, path);
   const cv::Mat read = cv::imread(path.string());
-  std::filesystem::remove(path);
   ASSERT_EQ(read.size(), picture.size());
   EXPECT_EQ(cv::norm(read, picture, cv::NORM_INF), 0.0);
 }

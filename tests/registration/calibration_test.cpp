@@ -1,42 +1,28 @@
 #include "registration/calibration.h"
 
-#include <fstream>
-
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "core/text_file.h"
 #include "tests/real_recordings.h"
+#include "tests/scratch_folder.h"
 
 namespace fathom {
 namespace {
 
 class CalibrationFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("fathom-calibration-" + std::to_string(::getpid()) + "-" +
-                                                        testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path file(const std::string& text) {
     const auto path = folder_ / "calibration";
-    std::ofstream(path) << text;
+    put(path, text);
     return path;
   }
 
   std::string complaint(const std::string& text) {
-    try {
-      read_calibration(file(text));
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return message_of<Error>([&] { read_calibration(file(text)); });
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 // Anisotropic, turned and shifted, with its third column as the convention wants it.

@@ -107,6 +107,12 @@ TEST(PoseChain, RefusesWhatIsNotRigidAndMendsRounding) {
   recording->edit().frames[0].poses[0]->matrix(0, 0) += 0.01;
   EXPECT_THROW(reference_from_probe(*recording, chain, 0), Error);
 
+  // The bound is 1e-3 in R^T R - I, as where recordings are read.
+  recording->edit().frames[0].poses[0]->matrix.topLeftCorner<3, 3>() = (1.0 + 4e-4) * pose.linear();
+  EXPECT_NO_THROW(reference_from_probe(*recording, chain, 0));
+  recording->edit().frames[0].poses[0]->matrix.topLeftCorner<3, 3>() = (1.0 + 7e-4) * pose.linear();
+  EXPECT_THROW(reference_from_probe(*recording, chain, 0), Error);
+
   recording->edit().frames[0].poses[0]->matrix = pose.matrix();
   recording->edit().frames[0].poses[0]->matrix.col(2) *= -1.0;  // mirrored
   EXPECT_THROW(reference_from_probe(*recording, chain, 0), Error);
