@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "surface/layer_mesh.h"
+#include "surface/sampled_layer.h"
+
+namespace fathom {
+
+/// How a field's samples become triangles.
+enum class Mesher {
+  kRegularised,  ///< marching tetrahedra with clustered vertices, Treece 2000, section 3.4
+  kTetrahedra,   ///< marching tetrahedra
+  kCubes         ///< marching cubes
+};
+
+/// Where a clustered vertex goes.
+enum class VertexPlacement {
+  kAverage,   ///< the middle of the cuts that it stands for
+  kCurvature  ///< their mean, cuts where the surface bends most weighing most; eq. (3.13) to (3.16)
+};
+
+struct MesherOptions {
+  Mesher mesher = Mesher::kRegularised;
+  VertexPlacement placement = VertexPlacement::kAverage;
+
+  /// The lattice that the mesher needs.
+  Lattice lattice() const { return mesher == Mesher::kCubes ? Lattice::kCubic : Lattice::kBodyCentred; }
+};
+
+/// How many layers beyond a layer its mesh depends on, on either side.
+inline constexpr int kLayerReach = 3;
+
+/// The meshes of layers `first` to `last - 1` of a stack, whose layer 0 has parity 0. All layers have the same numbers
+/// of columns and rows. The result for a layer depends on no more than the layers within kLayerReach of it and not on
+/// `first` and `last`, so that meshes made piece by piece join exactly.
+///
+/// The surface is open where the field is inside at the border of the stack (at a first or last layer, row or column)
+/// and otherwise closed, 2-manifold and consistently oriented, with the topology of marching tetrahedra (cubes).
+/// Runs in parallel; the result does not depend on the number of threads.
+std::vector<LayerMesh> mesh_layers(std::span<const SampledLayer* const> stack, int first, int last,
+                                   const MesherOptions& options);
+
+}  // namespace fathom
