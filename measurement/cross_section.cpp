@@ -1,12 +1,11 @@
 #include "measurement/cross_section.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include <Eigen/Geometry>
 
-#include "core/error.h"
+#include "measurement/frame_marks.h"
 #include "segmentation/frame_list.h"
 #include "segmentation/outline_topology.h"
 
@@ -41,74 +40,6 @@ Eigen::Vector2d mean_point(const std::vector<const Polygon*>& polygons) {
     count += polygon->size();
   }
   return sum / static_cast<double>(count);
-}
-
-// What a structure has on one frame: outlines, or the point of an extremity.
-struct FrameMarks {
-  int frame = 0;
-  std::vector<const Polygon*> outlines;
-  const Eigen::Vector2d* extremity_px = nullptr;
-};
-
-// Names the structure and the frame in what goes wrong.
-class Complaint {
- public:
-  Complaint(const Structure& structure, const FrameLocator& locator) : structure_(structure), locator_(locator) {}
-
-  [[noreturn]] void about(int frame, const std::string& what) const {
-    throw Error(locator_.recording_name() + ": structure " + structure_.name + ", frame " + std::to_string(frame) +
-                ": " + what);
-  }
-
-  void require_place(int frame, int recording) const {
-    if (recording != 0) {
-      about(frame, "stands on recording " + std::to_string(recording) +
-                       " of an exam; give the contours that were drawn on this recording alone");
-    }
-    if (frame < 0 || frame >= locator_.frame_count()) {
-      about(frame, "is not in the recording, which has " + std::to_string(locator_.frame_count()) +
-                       " frames, numbered from 0; give the contours that were drawn on this recording");
-    }
-  }
-
- private:
-  const Structure& structure_;
-  const FrameLocator& locator_;
-};
-
-// Frames ascending.
-std::vector<FrameMarks> marks_by_frame(const Structure& structure, const Complaint& complaint) {
-  std::vector<std::pair<int, std::size_t>> order;  // frame and number: contours first, then extremities
-  order.reserve(structure.contours.size() + structure.extremities.size());
-  for (const Contour& contour : structure.contours) {
-    complaint.require_place(contour.frame, contour.recording);
-    if (!contour.closed) {
-      complaint.about(contour.frame, "its contour is open and encloses no area; close it, or leave it out");
-    }
-    if (contour.points_px.size() < 3) {
-      complaint.about(contour.frame, "its contour has fewer than three points; draw it again");
-    }
-    order.emplace_back(contour.frame, order.size());
-  }
-  for (const Extremity& extremity : structure.extremities) {
-    complaint.require_place(extremity.frame, extremity.recording);
-    order.emplace_back(extremity.frame, order.size());
-  }
-  std::sort(order.begin(), order.end());
-
-  std::vector<FrameMarks> marks;
-  for (const auto& [frame, number] : order) {
-    const bool fresh = marks.empty() || marks.back().frame != frame;
-    if (fresh) marks.push_back({frame, {}, nullptr});
-    if (number < structure.contours.size()) {
-      marks.back().outlines.push_back(&structure.contours[number].points_px);
-    } else if (fresh) {
-      marks.back().extremity_px = &structure.extremities[number - structure.contours.size()].point_px;
-    } else {
-      complaint.about(frame, "is marked as an extremity, but has something else too; keep one of them");
-    }
-  }
-  return marks;
 }
 
 // Frames lost on the way are made good by their neighbours; at the ends nothing stands for them.
@@ -149,17 +80,14 @@ PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons) {
 
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings) {
-  const Complaint complaint(structure, locator);
   std::vector<CrossSection> sections;
   std::vector<int> lost;
-  for (const FrameMarks& marks : marks_by_frame(structure, complaint)) {
+  for (const FrameMarks& marks : frame_marks(structure, locator)) {
+    if (marks.absent) continue;
     PlaneArea area;
     if (marks.extremity_px) {
       area.centroid_px = *marks.extremity_px;
     } else {
-      if (const auto fault = outline_fault(marks.outlines)) {
-        complaint.about(marks.frame, "its outline " + *fault + "; draw it again");
-      }
       area = even_odd_area(marks.outlines);
     }
     const auto reference_from_image = locator.reference_from_image(marks.frame);

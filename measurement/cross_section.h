@@ -32,8 +32,7 @@ PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons);
 /// `warnings`, if any, is added to.
 ///
 /// Frames whose pose is unknown are left out and named in `warnings`, which also says when they were the first or last.
-/// Throws Error when a contour stands on a frame that the recording does not have or on another recording of an exam,
-/// crosses itself or another one of its frame, or is open, and when an extremity's frame is outlined too.
+/// Throws Error as frame_marks does.
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings);
 
