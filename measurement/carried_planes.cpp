@@ -26,6 +26,7 @@ std::optional<SectionPlane> carried_to(const SectionPlane& plane, const Eigen::V
 std::vector<std::optional<CarriedPlane>> carried_planes(const FrameLocator& locator) {
   std::vector<std::optional<CarriedPlane>> planes(static_cast<std::size_t>(locator.frame_count()));
   std::optional<SectionPlane> before;
+  int run = 0;
   for (int frame = 0; frame < locator.frame_count(); ++frame) {
     const auto reference_from_image = locator.reference_from_image(frame);
     if (!reference_from_image) continue;
@@ -36,10 +37,13 @@ std::vector<std::optional<CarriedPlane>> carried_planes(const FrameLocator& loca
     std::optional<SectionPlane> plane;
     if (before) plane = carried_to(*before, first_pixel, normal);
     if (!plane) {
+      if (before) ++run;
       const Eigen::Vector3d a_axis = x_axis.normalized();
       plane = SectionPlane{first_pixel, a_axis, normal.cross(a_axis)};
     }
-    CarriedPlane carried{*plane};
+    CarriedPlane carried;
+    carried.plane = *plane;
+    carried.run = run;
     Eigen::Matrix<double, 3, 2> axes;
     axes << plane->a_axis, plane->b_axis;
     carried.ab_from_image.linear().col(0) = axes.transpose() * x_axis;

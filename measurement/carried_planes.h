@@ -14,6 +14,7 @@ namespace fathom {
 struct CarriedPlane {
   SectionPlane plane;
   Eigen::Affine2d ab_from_image = Eigen::Affine2d::Identity();  ///< pixels to (a, b) in millimetres
+  int run = 0;                                                  ///< planes of the same number share (a, b)
 };
 
 /// The plane that lies over `plane` along the average normal: the one through `point` with the unit normal `normal`,

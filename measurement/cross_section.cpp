@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "measurement/frame_marks.h"
-#include "segmentation/frame_list.h"
+#include "measurement/lost_frames.h"
 #include "segmentation/outline_topology.h"
 
 namespace fathom {
@@ -40,17 +40,6 @@ Eigen::Vector2d mean_point(const std::vector<const Polygon*>& polygons) {
     count += polygon->size();
   }
   return sum / static_cast<double>(count);
-}
-
-// Frames lost on the way are made good by their neighbours; at the ends nothing stands for them.
-std::string lost_warning(const std::vector<CrossSection>& sections, std::vector<int> lost) {
-  const bool start = !sections.empty() && lost.front() < sections.front().frame;
-  const bool end = !sections.empty() && lost.back() > sections.back().frame;
-  std::string text = frame_list(std::move(lost)) + " left out: no valid position is known there";
-  if (start || end) text += ", so the organ is not measured";
-  if (start) text += " before frame " + std::to_string(sections.front().frame);
-  if (end) text += std::string(start ? " nor" : "") + " beyond frame " + std::to_string(sections.back().frame);
-  return text;
 }
 
 }  // namespace
@@ -105,7 +94,10 @@ std::vector<CrossSection> cross_sections(const Structure& structure, const Frame
     sections.push_back(section);
   }
   if (!lost.empty() && warnings) {
-    warnings->push_back(lost_warning(sections, std::move(lost)));
+    // Where no frame is left at all, none lies before the first.
+    const int first = sections.empty() ? lost.front() : sections.front().frame;
+    const int last = sections.empty() ? lost.back() : sections.back().frame;
+    warnings->push_back(lost_frames_warning(std::move(lost), first, last));
   }
   return sections;
 }

@@ -23,6 +23,7 @@ struct LayerMesh {
 
 /// One mesh of successive layers; the last one's triangles refer to no next layer.
 /// Throws Error when there are more vertices than a 32-bit index can name.
+Mesh join(std::span<const LayerMesh* const> layers);
 Mesh join(std::span<const LayerMesh> layers);
 
 }  // namespace fathom
