@@ -1,12 +1,127 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "measurement/column_grid.h"
+#include "measurement/disc_guide.h"
+#include "measurement/section_parts.h"
+#include "measurement/section_plane.h"
+#include "measurement/section_shape.h"
+
 namespace fathom {
 
-/// Along which lines the space between two sections is interpolated. Treece 2000, section 3.5.
+/// Along which lines the space between two sections is interpolated. Treece
+/// 2000, section 3.5.
 enum class Guide {
-  kDiscs,      ///< maximal discs lead to corresponding parts: section 3.2
-  kCentroids,  ///< from the centroid of a contour to that of its partner, scaled to its size
-  kShape       ///< straight across: shape-based interpolation
+  kDiscs,     ///< maximal discs lead to corresponding parts: section 3.2
+  kCentroids, ///< from the centroid of a part to that of its partner, scaled to
+              ///< its size
+  kShape      ///< straight across: shape-based interpolation
 };
 
-}  // namespace fathom
+/// A section in space.
+struct PlacedSection {
+  SectionPlane plane;
+  std::shared_ptr<const SectionShape> shape;
+};
+
+/// What all layers of one parity between two sections have in common: made by
+/// SectionGap::prepare.
+class GapColumns {
+public:
+  const ColumnGrid &grid() const { return grid_; }
+
+  /// Columns whose samples are found along their own lines; of the others only
+  /// the sign is certain, which is the same all along.
+  std::size_t guided() const { return index_.size(); }
+
+private:
+  friend class SectionGap;
+  ColumnGrid grid_;
+  std::vector<float> first_mm_; // both sections' distances where a column meets
+                                // them, or bounds of them far outside
+  std::vector<float> second_mm_;
+  std::vector<std::size_t> index_; // of the guided columns; the rest has an
+                                   // element for each of these
+  std::vector<Eigen::Vector2d> ab_mm_;
+  std::vector<Eigen::Vector2d> c_mm_;
+};
+
+/// The space between two successive sections, filled by interpolation of their
+/// distances.
+///
+/// A point of it is given by (a, b) and a fraction u: it lies at u on the
+/// straight line from (a, b) on the first plane, u = 0, to the same (a, b) on
+/// the second, u = 1. The planes may be at any angle below 180 degrees, and may
+/// cross. The interpolation line through the point leads by the correspondence
+/// vector from one plane to the other and meets them on either side of the
+/// point (figure 3.15); both distances are weighted by the lengths of its parts
+/// (3.11). Points on the planes have the distances of their sections, whatever
+/// the guide.
+///
+/// Where one section is absent the structure tapers off: that plane counts as
+/// outside everywhere, by as much as the other section's deepest point is
+/// inside, so that the structure ends half-way. Where both are, all is outside.
+///
+/// Reading a gap from its other end gives the same field. Treece 2000,
+/// section 3.2.6.
+class SectionGap {
+public:
+  SectionGap(PlacedSection first, PlacedSection second, Guide guide);
+
+  /// The interpolated distance in millimetres, positive inside, at u in [0, 1].
+  float value_mm(const Eigen::Vector2d &ab_mm, double u) const;
+
+  /// Prepares a layer's columns for `sample`: finds the correspondence of every
+  /// column near the surface.
+  GapColumns prepare(const ColumnGrid &grid) const;
+
+  /// The samples of the layer at u, `columns.grid().size()` of them. They equal
+  /// `value_mm` on every column within two lattice edges of one that has
+  /// another sign anywhere in this gap; on the others they have the right sign
+  /// and are farther from zero than two edges are long. So a surface extracted
+  /// from them is the same. At u = 0 and u = 1 this is for this gap only: what
+  /// lies on a plane must also suit the gap beyond it, so take it from
+  /// SectionShape::sample.
+  void sample(const GapColumns &columns, double u, std::span<float> out) const;
+
+  /// Equation (3.12): 1 where the second plane lies ahead of the first along
+  /// the average normal, -1 where it lies behind, in a region that is swept
+  /// again and counts negative, 0 on the line where they cross.
+  int sweep_sign(const Eigen::Vector2d &ab_mm) const;
+
+  /// Where the point of the first section at (a, b) goes on the second,
+  /// relative to (a, b). Zero unless the guide is kDiscs.
+  Eigen::Vector2d correspondence_mm(const Eigen::Vector2d &ab_mm) const;
+
+private:
+  struct Line;
+  Line line(float ahead_mm, float rise_mm, float u) const;
+  float along_mm(const Eigen::Vector2d &ab_mm, const Eigen::Vector2d &c_mm,
+                 double u) const;
+  double ahead_mm(const Eigen::Vector2d &ab_mm) const {
+    return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm);
+  }
+  float distance_mm(const PlacedSection &section,
+                    const Eigen::Vector2d &ab_mm) const;
+  void find_correspondences(GapColumns &columns) const;
+  float part_value_mm(const PartPair &pair, const Eigen::Vector2d &ab_mm,
+                      double u) const;
+
+  PlacedSection first_;
+  PlacedSection second_;
+  Guide guide_;
+  float absent_mm_ = 0.0F; // the distance that stands for an absent section
+  double ahead_at_origin_mm_ = 0.0; // how far the second plane lies ahead of
+                                    // the first is linear in (a, b)
+  Eigen::Vector2d ahead_slope_ = Eigen::Vector2d::Zero();
+  std::optional<DiscGuide> discs_;
+  std::vector<PartPair> pairs_;
+};
+
+} // namespace fathom
