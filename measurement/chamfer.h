@@ -31,7 +31,6 @@ inline float chamfer_length(float i, float j) {
 /// Distances from the outline in chamfer units, without sign, from which points
 /// of a raster lie inside (1) or outside (0). Where all points are alike they
 /// have no outline and get 32 753. Treece 2000, section 3.2.2.
-std::vector<std::int16_t> chamfer_codes(const std::vector<std::uint8_t> &inside,
-                                        const SectionRaster &raster);
+std::vector<std::int16_t> chamfer_codes(const std::vector<std::uint8_t>& inside, const SectionRaster& raster);
 
-} // namespace fathom
+}  // namespace fathom

@@ -13,8 +13,8 @@ namespace fathom {
 /// Treece 2000, section 3.2.3.
 struct Disc {
   Eigen::Vector2d centre_mm = Eigen::Vector2d::Zero();
-  double radius = 0.0; ///< in chamfer units, 10 a cell: the code at the centre,
-                       ///< negative for a disc outside
+  double radius = 0.0;  ///< in chamfer units, 10 a cell: the code at the centre,
+                        ///< negative for a disc outside
 };
 
 /// The maximal discs of one side of an outline, from the largest down, without
@@ -22,8 +22,7 @@ struct Disc {
 /// ones inside when `side` is 1, outside when it is 0. `codes` are without
 /// sign. Those outside are looked for on the raster only. Treece 2000, equation
 /// (3.3).
-std::vector<Disc> maximal_discs(const std::vector<std::int16_t> &codes,
-                                const std::vector<std::uint8_t> &inside,
-                                std::uint8_t side, const SectionRaster &raster);
+std::vector<Disc> maximal_discs(const std::vector<std::int16_t>& codes, const std::vector<std::uint8_t>& inside,
+                                std::uint8_t side, const SectionRaster& raster);
 
-} // namespace fathom
+}  // namespace fathom

@@ -20,7 +20,6 @@ struct NearestPoints {
 /// origin; farther away the nearest of the points found there, by vectors
 /// passed on from point to point, which is at most a few hundredths of a cell
 /// too far.
-NearestPoints nearest_outline_points(std::span<const Polygon> outlines,
-                                     const SectionRaster &raster);
+NearestPoints nearest_outline_points(std::span<const Polygon> outlines, const SectionRaster& raster);
 
-} // namespace fathom
+}  // namespace fathom

@@ -21,23 +21,18 @@ constexpr float kTouching = 1e-6F;
 // ridges, at both ends of an edge.
 constexpr double kRidge = 2.0;
 
-constexpr double kSmallestSize =
-    1e-6; // of a bounding box, millimetres: a point has none
+constexpr double kSmallestSize = 1e-6;  // of a bounding box, millimetres: a point has none
 
-constexpr float kNothingThere =
-    -1.0F; // millimetres, between two absent sections: any value outside
+constexpr float kNothingThere = -1.0F;  // millimetres, between two absent sections: any value outside
 
-bool is_absent(const PlacedSection &section) {
-  return section.shape->kind() == SectionKind::kAbsent;
-}
+bool is_absent(const PlacedSection& section) { return section.shape->kind() == SectionKind::kAbsent; }
 
 // The size of a part as one number, for distances that scale with it.
-double length_of(const Eigen::Vector2d &size_mm) {
-  return std::sqrt(std::max(size_mm.x(), kSmallestSize) *
-                   std::max(size_mm.y(), kSmallestSize));
+double length_of(const Eigen::Vector2d& size_mm) {
+  return std::sqrt(std::max(size_mm.x(), kSmallestSize) * std::max(size_mm.y(), kSmallestSize));
 }
 
-} // namespace
+}  // namespace
 
 // Where the interpolation line through a point meets both planes, as parts of
 // the correspondence vector back to the first and on to the second, and the
@@ -52,28 +47,22 @@ SectionGap::SectionGap(PlacedSection first, PlacedSection second, Guide guide)
     : first_(std::move(first)), second_(std::move(second)), guide_(guide) {
   assert(first_.shape && second_.shape);
   Eigen::Vector3d average = first_.plane.normal() + second_.plane.normal();
-  average = average.norm() > kSmallestSize ? average.normalized().eval()
-                                           : first_.plane.normal();
-  ahead_at_origin_mm_ =
-      average.dot(second_.plane.origin_mm - first_.plane.origin_mm);
+  average = average.norm() > kSmallestSize ? average.normalized().eval() : first_.plane.normal();
+  ahead_at_origin_mm_ = average.dot(second_.plane.origin_mm - first_.plane.origin_mm);
   ahead_slope_ = {average.dot(second_.plane.a_axis - first_.plane.a_axis),
                   average.dot(second_.plane.b_axis - first_.plane.b_axis)};
   if (is_absent(first_) && is_absent(second_)) {
     absent_mm_ = kNothingThere;
   } else if (is_absent(first_) || is_absent(second_)) {
-    const SectionShape &present =
-        is_absent(first_) ? *second_.shape : *first_.shape;
-    absent_mm_ = -std::max(present.largest_inside_mm(),
-                           0.5F * static_cast<float>(present.cell_mm()));
+    const SectionShape& present = is_absent(first_) ? *second_.shape : *first_.shape;
+    absent_mm_ = -std::max(present.largest_inside_mm(), 0.5F * static_cast<float>(present.cell_mm()));
   } else if (guide_ == Guide::kDiscs) {
     discs_.emplace(*first_.shape, *second_.shape);
   }
-  if (guide_ == Guide::kCentroids)
-    pairs_ = matching_parts(first_.shape, second_.shape);
+  if (guide_ == Guide::kCentroids) pairs_ = matching_parts(first_.shape, second_.shape);
 }
 
-float SectionGap::distance_mm(const PlacedSection &section,
-                              const Eigen::Vector2d &ab_mm) const {
+float SectionGap::distance_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const {
   return is_absent(section) ? absent_mm_ : section.shape->distance_mm(ab_mm);
 }
 
@@ -82,32 +71,26 @@ float SectionGap::distance_mm(const PlacedSection &section,
 // on which it points away from the point, the vector makes the line meet that
 // plane at the vector's own share, and the other plane nearer by ahead / (ahead
 // + |rise|). Figure 3.15.
-SectionGap::Line SectionGap::line(float ahead_mm, float rise_mm,
-                                  float u) const {
+SectionGap::Line SectionGap::line(float ahead_mm, float rise_mm, float u) const {
   const float apart = std::abs(ahead_mm) + kTouching;
   const float nearer = apart / (apart + std::abs(rise_mm));
   Line result{u, 1.0F - u, u};
   (ahead_mm * rise_mm >= 0.0F ? result.back : result.on) *= nearer;
   const float length = result.back + result.on;
-  if (length > 0.0F)
-    result.second_weight = result.back / length;
+  if (length > 0.0F) result.second_weight = result.back / length;
   return result;
 }
 
-float SectionGap::along_mm(const Eigen::Vector2d &ab_mm,
-                           const Eigen::Vector2d &c_mm, double u) const {
+float SectionGap::along_mm(const Eigen::Vector2d& ab_mm, const Eigen::Vector2d& c_mm, double u) const {
   const Line through =
-      line(static_cast<float>(ahead_mm(ab_mm)),
-           static_cast<float>(ahead_slope_.dot(c_mm)), static_cast<float>(u));
+      line(static_cast<float>(ahead_mm(ab_mm)), static_cast<float>(ahead_slope_.dot(c_mm)), static_cast<float>(u));
   const float d1 = distance_mm(first_, ab_mm - through.back * c_mm);
   const float d2 = distance_mm(second_, ab_mm + through.on * c_mm);
   return d1 + through.second_weight * (d2 - d1);
 }
 
-Eigen::Vector2d
-SectionGap::correspondence_mm(const Eigen::Vector2d &ab_mm) const {
-  if (!discs_)
-    return Eigen::Vector2d::Zero();
+Eigen::Vector2d SectionGap::correspondence_mm(const Eigen::Vector2d& ab_mm) const {
+  if (!discs_) return Eigen::Vector2d::Zero();
   DiscGuide::Block block;
   block.a_mm[0] = static_cast<float>(ab_mm.x());
   block.b_mm[0] = static_cast<float>(ab_mm.y());
@@ -121,93 +104,75 @@ SectionGap::correspondence_mm(const Eigen::Vector2d &ab_mm) const {
 
 // A part and its partner, both scaled to the size that the structure has at u.
 // Treece 2000, section 3.5.
-float SectionGap::part_value_mm(const PartPair &pair,
-                                const Eigen::Vector2d &ab_mm, double u) const {
-  const SectionPart &p = pair.first;
-  const SectionPart &q = pair.second;
+float SectionGap::part_value_mm(const PartPair& pair, const Eigen::Vector2d& ab_mm, double u) const {
+  const SectionPart& p = pair.first;
+  const SectionPart& q = pair.second;
   if (!p.shape || !q.shape) {
-    const SectionPart &present = p.shape ? p : q;
+    const SectionPart& present = p.shape ? p : q;
     const float share = static_cast<float>(p.shape ? u : 1.0 - u);
     const float d = present.shape->distance_mm(ab_mm);
     return d + share * (absent_mm_ - d);
   }
-  const Eigen::Vector2d centre =
-      p.centroid_mm + u * (q.centroid_mm - p.centroid_mm);
-  const Eigen::Vector2d size =
-      (p.size_mm + u * (q.size_mm - p.size_mm)).cwiseMax(kSmallestSize);
+  const Eigen::Vector2d centre = p.centroid_mm + u * (q.centroid_mm - p.centroid_mm);
+  const Eigen::Vector2d size = (p.size_mm + u * (q.size_mm - p.size_mm)).cwiseMax(kSmallestSize);
   const Eigen::Vector2d relative = (ab_mm - centre).cwiseQuotient(size);
   const Eigen::Vector2d on_p = p.centroid_mm + relative.cwiseProduct(p.size_mm);
   const Eigen::Vector2d on_q = q.centroid_mm + relative.cwiseProduct(q.size_mm);
   const Eigen::Vector2d c = on_q - on_p;
   const Line through =
-      line(static_cast<float>(ahead_mm(ab_mm)),
-           static_cast<float>(ahead_slope_.dot(c)), static_cast<float>(u));
+      line(static_cast<float>(ahead_mm(ab_mm)), static_cast<float>(ahead_slope_.dot(c)), static_cast<float>(u));
   const double length = length_of(size);
-  const auto scaled = [&](const SectionPart &part, const Eigen::Vector2d &at) {
-    return static_cast<float>(length / length_of(part.size_mm)) *
-           part.shape->distance_mm(at);
+  const auto scaled = [&](const SectionPart& part, const Eigen::Vector2d& at) {
+    return static_cast<float>(length / length_of(part.size_mm)) * part.shape->distance_mm(at);
   };
-  const float d1 = p.size_mm.isZero()
-                       ? p.shape->distance_mm(ab_mm - through.back * c)
-                       : scaled(p, ab_mm - through.back * c);
-  const float d2 = q.size_mm.isZero()
-                       ? q.shape->distance_mm(ab_mm + through.on * c)
-                       : scaled(q, ab_mm + through.on * c);
+  const float d1 =
+      p.size_mm.isZero() ? p.shape->distance_mm(ab_mm - through.back * c) : scaled(p, ab_mm - through.back * c);
+  const float d2 =
+      q.size_mm.isZero() ? q.shape->distance_mm(ab_mm + through.on * c) : scaled(q, ab_mm + through.on * c);
   return d1 + through.second_weight * (d2 - d1);
 }
 
-float SectionGap::value_mm(const Eigen::Vector2d &ab_mm, double u) const {
-  if (u <= 0.0)
-    return distance_mm(first_, ab_mm);
-  if (u >= 1.0)
-    return distance_mm(second_, ab_mm);
-  if (guide_ != Guide::kCentroids || pairs_.empty())
-    return along_mm(ab_mm, correspondence_mm(ab_mm), u);
+float SectionGap::value_mm(const Eigen::Vector2d& ab_mm, double u) const {
+  if (u <= 0.0) return distance_mm(first_, ab_mm);
+  if (u >= 1.0) return distance_mm(second_, ab_mm);
+  if (guide_ != Guide::kCentroids || pairs_.empty()) return along_mm(ab_mm, correspondence_mm(ab_mm), u);
   float value = std::numeric_limits<float>::lowest();
-  for (const PartPair &pair : pairs_)
-    value = std::max(value, part_value_mm(pair, ab_mm, u));
+  for (const PartPair& pair : pairs_) value = std::max(value, part_value_mm(pair, ab_mm, u));
   return value;
 }
 
-int SectionGap::sweep_sign(const Eigen::Vector2d &ab_mm) const {
+int SectionGap::sweep_sign(const Eigen::Vector2d& ab_mm) const {
   const double ahead = ahead_mm(ab_mm);
   return (ahead > 0.0) - (ahead < 0.0);
 }
 
-GapColumns SectionGap::prepare(const ColumnGrid &grid) const {
+GapColumns SectionGap::prepare(const ColumnGrid& grid) const {
   GapColumns columns;
   columns.grid_ = grid;
-  if (guide_ == Guide::kCentroids)
-    return columns;
+  if (guide_ == Guide::kCentroids) return columns;
   columns.first_mm_.resize(grid.size());
   columns.second_mm_.resize(grid.size());
   const double longest = discs_ ? discs_->longest_mm() : 0.0;
-  const double cell =
-      std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
+  const double cell = std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
   // Distances change by at most 1 per millimetre. So a point that is this far
   // outside of both sections is outside wherever the vector leads, and so are
   // its neighbours two edges away.
-  const auto certain = static_cast<float>(
-      longest + 2.0 * grid.longest_edge_mm() + kRidge * cell);
+  const auto certain = static_cast<float>(longest + 2.0 * grid.longest_edge_mm() + kRidge * cell);
   std::size_t at = 0;
   for (int j = 0; j < grid.rows; ++j) {
     const Eigen::Vector2d start = grid.row_start_mm(j);
     for (int i = 0; i < grid.columns; ++i, ++at) {
       const Eigen::Vector2d ab = start + i * grid.column_step_mm;
-      float &d1 = columns.first_mm_[at];
-      float &d2 = columns.second_mm_[at];
+      float& d1 = columns.first_mm_[at];
+      float& d2 = columns.second_mm_[at];
       d1 = is_absent(first_) ? absent_mm_ : -first_.shape->least_outside_mm(ab);
-      d2 = is_absent(second_) ? absent_mm_
-                              : -second_.shape->least_outside_mm(ab);
+      d2 = is_absent(second_) ? absent_mm_ : -second_.shape->least_outside_mm(ab);
       const bool far1 = d1 <= -certain;
       const bool far2 = d2 <= -certain;
-      if (far1 && far2)
-        continue;
+      if (far1 && far2) continue;
       d1 = distance_mm(first_, ab);
       d2 = distance_mm(second_, ab);
-      if (longest == 0.0 || std::max(d1, d2) <= -certain ||
-          std::min(d1, d2) >= certain)
-        continue;
+      if (longest == 0.0 || std::max(d1, d2) <= -certain || std::min(d1, d2) >= certain) continue;
       columns.index_.push_back(at);
       columns.ab_mm_.push_back(ab);
     }
@@ -216,49 +181,43 @@ GapColumns SectionGap::prepare(const ColumnGrid &grid) const {
   return columns;
 }
 
-void SectionGap::find_correspondences(GapColumns &columns) const {
+void SectionGap::find_correspondences(GapColumns& columns) const {
   columns.c_mm_.reserve(columns.index_.size());
   DiscGuide::Block block;
   std::array<float, DiscGuide::kBlock> ca;
   std::array<float, DiscGuide::kBlock> cb;
-  for (std::size_t from = 0; from < columns.index_.size();
-       from += DiscGuide::kBlock) {
-    const std::size_t count =
-        std::min(DiscGuide::kBlock, columns.index_.size() - from);
+  for (std::size_t from = 0; from < columns.index_.size(); from += DiscGuide::kBlock) {
+    const std::size_t count = std::min(DiscGuide::kBlock, columns.index_.size() - from);
     for (std::size_t k = 0; k < count; ++k) {
-      const Eigen::Vector2d &ab = columns.ab_mm_[from + k];
+      const Eigen::Vector2d& ab = columns.ab_mm_[from + k];
       block.a_mm[k] = static_cast<float>(ab.x());
       block.b_mm[k] = static_cast<float>(ab.y());
       block.first_code[k] = first_.shape->code(ab);
       block.second_code[k] = second_.shape->code(ab);
     }
     discs_->correspondence(block, ca, cb);
-    for (std::size_t k = 0; k < count; ++k)
-      columns.c_mm_.emplace_back(ca[k], cb[k]);
+    for (std::size_t k = 0; k < count; ++k) columns.c_mm_.emplace_back(ca[k], cb[k]);
   }
 }
 
-void SectionGap::sample(const GapColumns &columns, double u,
-                        std::span<float> out) const {
-  const ColumnGrid &grid = columns.grid_;
+void SectionGap::sample(const GapColumns& columns, double u, std::span<float> out) const {
+  const ColumnGrid& grid = columns.grid_;
   assert(out.size() == grid.size());
   if (guide_ == Guide::kCentroids) {
     std::size_t at = 0;
     for (int j = 0; j < grid.rows; ++j) {
       const Eigen::Vector2d start = grid.row_start_mm(j);
-      for (int i = 0; i < grid.columns; ++i)
-        out[at++] = value_mm(start + i * grid.column_step_mm, u);
+      for (int i = 0; i < grid.columns; ++i) out[at++] = value_mm(start + i * grid.column_step_mm, u);
     }
     return;
   }
   const auto weight = static_cast<float>(u);
-  const float *first = columns.first_mm_.data();
-  const float *second = columns.second_mm_.data();
-  for (std::size_t at = 0; at < out.size(); ++at)
-    out[at] = first[at] + weight * (second[at] - first[at]);
+  const float* first = columns.first_mm_.data();
+  const float* second = columns.second_mm_.data();
+  for (std::size_t at = 0; at < out.size(); ++at) out[at] = first[at] + weight * (second[at] - first[at]);
   for (std::size_t k = 0; k < columns.index_.size(); ++k) {
     out[columns.index_[k]] = along_mm(columns.ab_mm_[k], columns.c_mm_[k], u);
   }
 }
 
-} // namespace fathom
+}  // namespace fathom

@@ -18,10 +18,10 @@ namespace fathom {
 /// Along which lines the space between two sections is interpolated. Treece
 /// 2000, section 3.5.
 enum class Guide {
-  kDiscs,     ///< maximal discs lead to corresponding parts: section 3.2
-  kCentroids, ///< from the centroid of a part to that of its partner, scaled to
-              ///< its size
-  kShape      ///< straight across: shape-based interpolation
+  kDiscs,      ///< maximal discs lead to corresponding parts: section 3.2
+  kCentroids,  ///< from the centroid of a part to that of its partner, scaled to
+               ///< its size
+  kShape       ///< straight across: shape-based interpolation
 };
 
 /// A section in space.
@@ -33,21 +33,21 @@ struct PlacedSection {
 /// What all layers of one parity between two sections have in common: made by
 /// SectionGap::prepare.
 class GapColumns {
-public:
-  const ColumnGrid &grid() const { return grid_; }
+ public:
+  const ColumnGrid& grid() const { return grid_; }
 
   /// Columns whose samples are found along their own lines; of the others only
   /// the sign is certain, which is the same all along.
   std::size_t guided() const { return index_.size(); }
 
-private:
+ private:
   friend class SectionGap;
   ColumnGrid grid_;
-  std::vector<float> first_mm_; // both sections' distances where a column meets
-                                // them, or bounds of them far outside
+  std::vector<float> first_mm_;  // both sections' distances where a column meets
+                                 // them, or bounds of them far outside
   std::vector<float> second_mm_;
-  std::vector<std::size_t> index_; // of the guided columns; the rest has an
-                                   // element for each of these
+  std::vector<std::size_t> index_;  // of the guided columns; the rest has an
+                                    // element for each of these
   std::vector<Eigen::Vector2d> ab_mm_;
   std::vector<Eigen::Vector2d> c_mm_;
 };
@@ -71,15 +71,15 @@ private:
 /// Reading a gap from its other end gives the same field. Treece 2000,
 /// section 3.2.6.
 class SectionGap {
-public:
+ public:
   SectionGap(PlacedSection first, PlacedSection second, Guide guide);
 
   /// The interpolated distance in millimetres, positive inside, at u in [0, 1].
-  float value_mm(const Eigen::Vector2d &ab_mm, double u) const;
+  float value_mm(const Eigen::Vector2d& ab_mm, double u) const;
 
   /// Prepares a layer's columns for `sample`: finds the correspondence of every
   /// column near the surface.
-  GapColumns prepare(const ColumnGrid &grid) const;
+  GapColumns prepare(const ColumnGrid& grid) const;
 
   /// The samples of the layer at u, `columns.grid().size()` of them. They equal
   /// `value_mm` on every column within two lattice edges of one that has
@@ -88,40 +88,35 @@ public:
   /// from them is the same. At u = 0 and u = 1 this is for this gap only: what
   /// lies on a plane must also suit the gap beyond it, so take it from
   /// SectionShape::sample.
-  void sample(const GapColumns &columns, double u, std::span<float> out) const;
+  void sample(const GapColumns& columns, double u, std::span<float> out) const;
 
   /// Equation (3.12): 1 where the second plane lies ahead of the first along
   /// the average normal, -1 where it lies behind, in a region that is swept
   /// again and counts negative, 0 on the line where they cross.
-  int sweep_sign(const Eigen::Vector2d &ab_mm) const;
+  int sweep_sign(const Eigen::Vector2d& ab_mm) const;
 
   /// Where the point of the first section at (a, b) goes on the second,
   /// relative to (a, b). Zero unless the guide is kDiscs.
-  Eigen::Vector2d correspondence_mm(const Eigen::Vector2d &ab_mm) const;
+  Eigen::Vector2d correspondence_mm(const Eigen::Vector2d& ab_mm) const;
 
-private:
+ private:
   struct Line;
   Line line(float ahead_mm, float rise_mm, float u) const;
-  float along_mm(const Eigen::Vector2d &ab_mm, const Eigen::Vector2d &c_mm,
-                 double u) const;
-  double ahead_mm(const Eigen::Vector2d &ab_mm) const {
-    return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm);
-  }
-  float distance_mm(const PlacedSection &section,
-                    const Eigen::Vector2d &ab_mm) const;
-  void find_correspondences(GapColumns &columns) const;
-  float part_value_mm(const PartPair &pair, const Eigen::Vector2d &ab_mm,
-                      double u) const;
+  float along_mm(const Eigen::Vector2d& ab_mm, const Eigen::Vector2d& c_mm, double u) const;
+  double ahead_mm(const Eigen::Vector2d& ab_mm) const { return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm); }
+  float distance_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const;
+  void find_correspondences(GapColumns& columns) const;
+  float part_value_mm(const PartPair& pair, const Eigen::Vector2d& ab_mm, double u) const;
 
   PlacedSection first_;
   PlacedSection second_;
   Guide guide_;
-  float absent_mm_ = 0.0F; // the distance that stands for an absent section
-  double ahead_at_origin_mm_ = 0.0; // how far the second plane lies ahead of
-                                    // the first is linear in (a, b)
+  float absent_mm_ = 0.0F;           // the distance that stands for an absent section
+  double ahead_at_origin_mm_ = 0.0;  // how far the second plane lies ahead of
+                                     // the first is linear in (a, b)
   Eigen::Vector2d ahead_slope_ = Eigen::Vector2d::Zero();
   std::optional<DiscGuide> discs_;
   std::vector<PartPair> pairs_;
 };
 
-} // namespace fathom
+}  // namespace fathom

@@ -13,8 +13,7 @@ namespace fathom {
 struct SectionPart {
   std::shared_ptr<const SectionShape> shape;
   Eigen::Vector2d centroid_mm = Eigen::Vector2d::Zero();
-  Eigen::Vector2d size_mm =
-      Eigen::Vector2d::Ones(); ///< of its bounding rectangle
+  Eigen::Vector2d size_mm = Eigen::Vector2d::Ones();  ///< of its bounding rectangle
 };
 
 /// Two parts that centroid-guided interpolation joins. One of them is empty
@@ -25,14 +24,12 @@ struct PartPair {
 };
 
 /// The parts of a section; none where it is absent.
-std::vector<SectionPart>
-section_parts(const std::shared_ptr<const SectionShape> &shape);
+std::vector<SectionPart> section_parts(const std::shared_ptr<const SectionShape>& shape);
 
 /// Which parts belong together: those that overlap, and for a part that
 /// overlaps none the one with the nearest centroid. A part may be in several
 /// pairs. Treece 2000, section 3.5 (there by hand).
-std::vector<PartPair>
-matching_parts(const std::shared_ptr<const SectionShape> &first,
-               const std::shared_ptr<const SectionShape> &second);
+std::vector<PartPair> matching_parts(const std::shared_ptr<const SectionShape>& first,
+                                     const std::shared_ptr<const SectionShape>& second);
 
-} // namespace fathom
+}  // namespace fathom

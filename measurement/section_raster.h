@@ -20,12 +20,9 @@ struct SectionRaster {
   int columns = 0;
   int rows = 0;
 
-  std::size_t size() const {
-    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-  }
+  std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
   std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(i);
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
   }
 };
 
@@ -43,13 +40,11 @@ inline constexpr int kRasterMargin = 8;
 /// points or a coordinate that is not finite or beyond 10 m, the cell is not
 /// positive, or the raster would have more than kMostRasterPoints along an
 /// axis: the message says which cell fits.
-SectionRaster section_raster(std::span<const Polygon> outlines_mm,
-                             double cell_mm, int margin = kRasterMargin);
+SectionRaster section_raster(std::span<const Polygon> outlines_mm, double cell_mm, int margin = kRasterMargin);
 
 /// Which of the raster's points lie inside outlines combined by even-odd: 1
 /// inside, 0 outside. `outlines` are in cells from the raster's origin. Treece
 /// 2000, appendix C.1.
-std::vector<std::uint8_t> inside_outlines(std::span<const Polygon> outlines,
-                                          const SectionRaster &raster);
+std::vector<std::uint8_t> inside_outlines(std::span<const Polygon> outlines, const SectionRaster& raster);
 
-} // namespace fathom
+}  // namespace fathom

@@ -16,8 +16,8 @@ namespace fathom {
 /// What is known of a structure on a frame.
 enum class SectionKind {
   kOutlined,
-  kPoint, ///< the frame only touches it: a cross-section of zero area
-  kAbsent ///< it was looked for and is not there
+  kPoint,  ///< the frame only touches it: a cross-section of zero area
+  kAbsent  ///< it was looked for and is not there
 };
 
 /// A cross-section as its distances: made once for a section, shared by the
@@ -33,64 +33,63 @@ enum class SectionKind {
 /// All coordinates are (a, b) of SectionPlane in millimetres. Treece 2000,
 /// sections 3.2.2 and 3.2.3.
 class SectionShape {
-public:
+ public:
   /// Not there.
   SectionShape() = default;
 
   /// Touched at a point. Its one disc has the smallest radius, half a cell.
   /// Throws Error when a number is not finite or the cell not positive.
-  SectionShape(const Eigen::Vector2d &point_mm, double cell_mm);
+  SectionShape(const Eigen::Vector2d& point_mm, double cell_mm);
 
   /// Outlined by polygons that combine by even-odd and do not cross
   /// (`outline_fault`). `raster` must reach at least one cell beyond them, as
   /// that of `section_raster` does. Throws Error when there is no polygon, one
   /// has fewer than three points or a coordinate that is not finite, or the
   /// raster is too small or too large for them.
-  SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster &raster);
+  SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster& raster);
 
   SectionKind kind() const { return kind_; }
   double cell_mm() const { return raster_.cell_mm; }
-  const SectionRaster &raster() const { return raster_; }
-  const std::vector<Polygon> &outlines_mm() const { return outlines_mm_; }
+  const SectionRaster& raster() const { return raster_; }
+  const std::vector<Polygon>& outlines_mm() const { return outlines_mm_; }
 
   /// The signed distance at any point, on the raster or not, bilinear between
   /// the raster's points. Not for an absent section.
-  float distance_mm(const Eigen::Vector2d &ab_mm) const;
+  float distance_mm(const Eigen::Vector2d& ab_mm) const;
 
   /// The chamfer code at any point, in the same way. Off the raster it is what
   /// a larger raster would hold, by equations (3.1) and (3.2). Not for an
   /// absent section.
-  float code(const Eigen::Vector2d &ab_mm) const;
+  float code(const Eigen::Vector2d& ab_mm) const;
 
   /// Distances at all points of a grid, `grid.size()` of them: the layer of a
   /// lattice that lies on this section's plane.
-  void sample(const ColumnGrid &grid, std::span<float> out) const;
+  void sample(const ColumnGrid& grid, std::span<float> out) const;
 
   /// How far a point off the raster is outside of the outline at least; 0 on
   /// the raster.
-  float least_outside_mm(const Eigen::Vector2d &ab_mm) const;
+  float least_outside_mm(const Eigen::Vector2d& ab_mm) const;
 
-  const std::vector<Disc> &inside_discs() const { return inside_discs_; }
-  const std::vector<Disc> &outside_discs() const { return outside_discs_; }
+  const std::vector<Disc>& inside_discs() const { return inside_discs_; }
+  const std::vector<Disc>& outside_discs() const { return outside_discs_; }
 
   /// The greatest distance on the raster; 0 for a point.
   float largest_inside_mm() const { return largest_inside_mm_; }
 
-private:
+ private:
   // A point of the raster's rim, with what lies nearest to it: all that is
   // needed to find distances farther out.
   struct RimPoint {
-    Eigen::Vector2f at;      // cells
-    Eigen::Vector2f nearest; // on the outline, cells
-    float distance;          // cells
-    float code;              // above 0, though outside
+    Eigen::Vector2f at;       // cells
+    Eigen::Vector2f nearest;  // on the outline, cells
+    float distance;           // cells
+    float code;               // above 0, though outside
   };
 
-  void find_distances(const std::vector<Polygon> &outlines_cells,
-                      const std::vector<std::uint8_t> &inside);
-  float far_distance(const Eigen::Vector2f &at) const;
-  float far_code(const Eigen::Vector2f &at) const;
-  std::size_t rim_index(const Eigen::Vector2f &at) const;
+  void find_distances(const std::vector<Polygon>& outlines_cells, const std::vector<std::uint8_t>& inside);
+  float far_distance(const Eigen::Vector2f& at) const;
+  float far_code(const Eigen::Vector2f& at) const;
+  std::size_t rim_index(const Eigen::Vector2f& at) const;
 
   SectionKind kind_ = SectionKind::kAbsent;
   SectionRaster raster_;
@@ -98,11 +97,11 @@ private:
   std::vector<Polygon> outlines_mm_;
   std::vector<std::int16_t> codes_;
   std::vector<float> distances_mm_;
-  std::vector<RimPoint> rim_; // clockwise from the raster's origin
-  float rim_least_ = 0.0F;    // smallest distance on the rim, cells
+  std::vector<RimPoint> rim_;  // clockwise from the raster's origin
+  float rim_least_ = 0.0F;     // smallest distance on the rim, cells
   std::vector<Disc> inside_discs_;
   std::vector<Disc> outside_discs_;
   float largest_inside_mm_ = 0.0F;
 };
 
-} // namespace fathom
+}  // namespace fathom
