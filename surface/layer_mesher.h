@@ -26,6 +26,9 @@ enum class VertexPlacement {
 struct MesherOptions {
   Mesher mesher = Mesher::kRegularised;
   VertexPlacement placement = VertexPlacement::kAverage;
+  /// Closes the surface flat on the first and last layer of the stack: as if one more layer, all outside, lay directly
+  /// beyond. Vertices of the rim stay in the end layer's plane.
+  bool cap_ends = false;
 
   /// The lattice that the mesher needs.
   Lattice lattice() const { return mesher == Mesher::kCubes ? Lattice::kCubic : Lattice::kBodyCentred; }
@@ -38,8 +41,10 @@ inline constexpr int kLayerReach = 3;
 /// of columns and rows. The result for a layer depends on no more than the layers within kLayerReach of it and not on
 /// `first` and `last`, so that meshes made piece by piece join exactly.
 ///
-/// The surface is open where the field is inside at the border of the stack (at a first or last layer, row or column)
-/// and otherwise closed, 2-manifold and consistently oriented, with the topology of marching tetrahedra (cubes).
+/// The surface is open where the field is inside at the border of the stack (at a first or last layer, unless these are
+/// capped, at a first or last row or column) and otherwise closed, 2-manifold and consistently oriented, with the
+/// topology of marching tetrahedra (cubes). Triangles face outward where column step, row step and the way to the next
+/// layer are a right-handed system; normals face outward always.
 /// Runs in parallel; the result does not depend on the number of threads.
 std::vector<LayerMesh> mesh_layers(std::span<const SampledLayer* const> stack, int first, int last,
                                    const MesherOptions& options);

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "surface/body_centred.h"
+#include "surface/sampled_layer.h"
+
+namespace fathom {
+
+/// A sample from which at least one edge is cut by the surface.
+struct CutSample {
+  std::int32_t row = 0;
+  std::int32_t column = 0;
+  EdgeMask cut = 0;               ///< edges whose ends lie on different sides of the surface
+  EdgeMask near = 0;              ///< those of them that are cut nearer to this sample than to the other
+  EdgeMask kept = 0;              ///< those near cuts whose cluster becomes one vertex
+  std::int32_t first_vertex = 0;  ///< of this sample, among the layer's
+};
+
+/// The values at a sample and at the ends of its edges.
+struct Star {
+  std::array<float, kLatticeEdges> value{};
+  float centre = 0.0F;
+  EdgeMask there = 0;  ///< edges whose ends are in the stack
+};
+
+/// A layer of the body-centred lattice and where the surface cuts it. Treece 2000, sections 3.4.2 and 3.4.3.
+struct CutLayer {
+  const SampledLayer* samples = nullptr;
+  int parity = 0;       ///< of the layer's number
+  bool beyond = false;  ///< made up, all outside, to close the surface at an end
+
+  int words = 0;                      ///< of 64 samples, in each row
+  std::vector<std::uint64_t> inside;  ///< a bit for each sample
+  std::vector<std::uint64_t> active;  ///< a bit for each element of `cuts`
+  std::vector<std::int32_t> before;   ///< elements of `cuts` before each word of `active`
+  std::vector<CutSample> cuts;        ///< by rows and columns, ascending
+  std::int32_t vertices = 0;
+
+  bool shifted(int row) const { return ((row + parity) & 1) != 0; }
+  float at(int row, int column) const {
+    return samples->values[static_cast<std::size_t>(row) * static_cast<std::size_t>(samples->columns) +
+                           static_cast<std::size_t>(column)];
+  }
+  /// The element of `cuts` for a sample that has one.
+  const CutSample& cut(int row, int column) const {
+    const auto word = static_cast<std::size_t>(row * words + column / 64);
+    const std::uint64_t below = active[word] & ((std::uint64_t{1} << (column % 64)) - 1);
+    return cuts[static_cast<std::size_t>(before[word] + std::popcount(below))];
+  }
+};
+
+/// How the surface's cuts near a sample become vertices.
+enum class Clustering { kClusters, kNone };
+
+/// The end of an edge: `row` and `column` in the layer `layer_step` above.
+struct EdgeEnd {
+  int row = 0;
+  int column = 0;
+  int layer_step = 0;
+};
+EdgeEnd edge_end(const CutLayer& layer, int row, int column, int edge);
+
+/// Fills in `inside` and `words`.
+void mark_inside(CutLayer& layer);
+
+/// Fills in the rest. `below` and `above` are null where the stack ends; their `inside` is filled in.
+void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Clustering clustering);
+
+/// Values around a sample. `below` and `above` as before.
+Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above, int row, int column);
+
+/// Whether the cut of the edge between samples with these values lies nearer to the first; a tie goes to the one that
+/// comes first in the order of the lattice.
+inline bool nearer_to_first(float first, float second, bool first_comes_first) {
+  const float a = first < 0.0F ? -first : first;
+  const float b = second < 0.0F ? -second : second;
+  return a < b || (a == b && first_comes_first);
+}
+
+/// The near cuts that are connected with that of `edge`.
+EdgeMask cluster_of(EdgeMask near, int edge);
+
+/// The vertex, among those of its layer, of the cut of `edge` that is near to the sample.
+std::int32_t vertex_of(const CutSample& sample, int edge);
+
+/// Whether the near cuts `cluster` around a sample may become one vertex without a change of topology.
+///
+/// On the surface of marching tetrahedra a cluster stands for the patch of cells around its cuts. One vertex can take
+/// its place when (a) the patch is a disc, and around it, on the ring of cuts that are its neighbours, (b) no cut is
+/// met twice and (c) no other cluster is met twice, and at least three are. Because (b) holds for neighbours that stay
+/// single cuts and (c) for those that become vertices, it does not matter which of them do: the test depends on the
+/// sample's star only, and a mesh of which every cluster passes is a manifold like that of marching tetrahedra.
+/// It covers cases (a) to (c) of Treece 2000, figure 3.25, and what these leave open in noisy fields.
+bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star);
+
+}  // namespace fathom
