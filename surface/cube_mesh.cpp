@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "surface/layer_geometry.h"
 #include "surface/tetrahedra_mesh.h"
@@ -32,6 +36,56 @@ struct CubeCase {
   std::array<std::int8_t, 3 * 12> edges{};
 };
 
+// The two faces that an edge lies on.
+constexpr std::array<unsigned, kCubeEdges> kFacesOfEdge = [] {
+  std::array<unsigned, kCubeEdges> faces{};
+  for (std::size_t f = 0; f < kFaces.size(); ++f) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      faces[static_cast<std::size_t>(edge_between(kFaces[f][i], kFaces[f][(i + 1) % 4]))] |= 1U << f;
+    }
+  }
+  return faces;
+}();
+
+// Cuts a loop into triangles so that as few of the lines inside it as possible, in fact none, run along a face of the
+// cube: the neighbour beyond that face might draw the same line, which would then belong to four triangles.
+void add_polygon(std::span<const int> loop, CubeCase& result) {
+  const std::size_t n = loop.size();
+  constexpr std::size_t kMost = kCubeEdges;
+  std::array<std::array<int, kMost>, kMost> cost{};  // of the part of the loop from i to j
+  std::array<std::array<std::size_t, kMost>, kMost> apex{};
+  const auto line_cost = [&](std::size_t i, std::size_t j) {
+    const bool side = j == i + 1 || (i == 0 && j + 1 == n);
+    const auto faces = [&](std::size_t at) { return kFacesOfEdge[static_cast<std::size_t>(loop[at])]; };
+    return !side && (faces(i) & faces(j)) != 0 ? 1 : 0;
+  };
+  for (std::size_t width = 2; width < n; ++width) {
+    for (std::size_t i = 0; i + width < n; ++i) {
+      const std::size_t j = i + width;
+      cost[i][j] = std::numeric_limits<int>::max();
+      for (std::size_t k = i + 1; k < j; ++k) {
+        const int here = cost[i][k] + cost[k][j] + line_cost(i, k) + line_cost(k, j);
+        if (here >= cost[i][j]) continue;
+        cost[i][j] = here;
+        apex[i][j] = k;
+      }
+    }
+  }
+  std::vector<std::pair<std::size_t, std::size_t>> parts{{0, n - 1}};
+  while (!parts.empty()) {
+    const auto [i, j] = parts.back();
+    parts.pop_back();
+    if (j < i + 2) continue;
+    const std::size_t k = apex[i][j];
+    const auto at = static_cast<std::size_t>(3 * result.count++);
+    result.edges[at] = static_cast<std::int8_t>(loop[i]);
+    result.edges[at + 1] = static_cast<std::int8_t>(loop[k]);
+    result.edges[at + 2] = static_cast<std::int8_t>(loop[j]);
+    parts.emplace_back(i, k);
+    parts.emplace_back(k, j);
+  }
+}
+
 // For each of the 256 sets of inside corners: on every face the line of the surface is drawn around each run of inside
 // corners, which gives closed loops of edges; each is cut into triangles.
 std::array<CubeCase, 256> make_cases() {
@@ -48,7 +102,7 @@ std::array<CubeCase, 256> make_cases() {
         while (in(end + 1)) ++end;
         const int entered = edge_between(face[(i + 3) % 4], face[i % 4]);
         const int left = edge_between(face[end % 4], face[(end + 1) % 4]);
-        next[static_cast<std::size_t>(left)] = entered;
+        next[static_cast<std::size_t>(entered)] = left;
       }
     }
     CubeCase& result = cases[inside];
@@ -62,12 +116,7 @@ std::array<CubeCase, 256> make_cases() {
         next[static_cast<std::size_t>(edge)] = -1;
         edge = following;
       }
-      for (std::size_t i = 2; i < length; ++i) {
-        const auto at = static_cast<std::size_t>(3 * result.count++);
-        result.edges[at] = static_cast<std::int8_t>(loop[0]);
-        result.edges[at + 1] = static_cast<std::int8_t>(loop[i - 1]);
-        result.edges[at + 2] = static_cast<std::int8_t>(loop[i]);
-      }
+      add_polygon(std::span(loop).first(length), result);
     }
   }
   return cases;
