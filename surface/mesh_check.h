@@ -1,10 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "surface/mesh.h"
 
@@ -41,15 +38,5 @@ MeshTopology mesh_topology(const Mesh& mesh);
 /// vertex twice, when there are normals or sweep signs but not one for each, a sweep sign is not +1 or -1, a vertex or
 /// normal is not finite, or there are too many triangles to count their corners.
 void require_valid(const Mesh& mesh, const std::string& name);
-
-/// Pairs of triangles, the lower index first, that have a point in common besides the vertices and the edges that they
-/// share by index. So a pair counts
-/// - that shares no vertex and touches or crosses;
-/// - that shares one vertex and meets also away from it;
-/// - that shares an edge and lies folded flat onto itself, or shares all three vertices.
-/// Decided exactly for the coordinates as they are stored. Triangles without area, which have no plane, are passed
-/// over. In ascending order; the search ends once `limit` pairs are found, which then need not be the first ones.
-/// `mesh` must be valid.
-std::vector<std::pair<std::int32_t, std::int32_t>> self_intersections(const Mesh& mesh, std::size_t limit = SIZE_MAX);
 
 }  // namespace fathom
