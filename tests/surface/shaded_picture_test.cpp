@@ -1,12 +1,11 @@
 #include "surface/shaded_picture.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "surface/vertex_normals.h"
@@ -74,9 +73,7 @@ TEST(ShadedPicture, SidesThatTrianglesShareLeaveNoGap) {
   for (int round = 0; round < 10; ++round) {
     const Mesh turned = round == 0 ? mesh : moved(mesh, random_motion(random, 0.0));
     const ColoredMesh colored{&turned, kRed};
-    cv::Mat covered = shaded_picture({&colored, 1}, view_of(301, 14.0)).covered;
-    std::vector<std::vector<cv::Point>> unused;
-    cv::Mat outside = covered.clone();
+    const cv::Mat covered = shaded_picture({&colored, 1}, view_of(301, 14.0)).covered;
     for (int y = 0; y < covered.rows; ++y) {  // a disc: in each row one run
       int runs = 0;
       for (int x = 1; x < covered.cols; ++x) {
