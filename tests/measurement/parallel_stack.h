@@ -63,9 +63,9 @@ inline SectionPlane plane_at(double z) {
 
 inline Likeness reconstruct(const Outlines& object, const Stack& stack, Guide guide) {
   double both = 0.0, truth = 0.0, found = 0.0;
-  for (std::size_t i = 0; i + 1 < stack.places.size(); ++i) {
-    const double z0 = stack.places[i];
-    const double z1 = stack.places[i + 1];
+  for (std::size_t s = 0; s + 1 < stack.places.size(); ++s) {
+    const double z0 = stack.places[s];
+    const double z1 = stack.places[s + 1];
     const SectionGap gap({plane_at(z0), shape_of(object(z0), stack.cell_mm)},
                          {plane_at(z1), shape_of(object(z1), stack.cell_mm)}, guide);
     ColumnGrid grid;
