@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "acquisition/recording.h"
+#include "acquisition/volume_file.h"
 #include "cli/command.h"
 #include "cli/output.h"
 #include "core/error.h"
@@ -46,6 +47,17 @@ void convert_mesh(const ConvertOptions& options) {
   for (const auto& warning : warnings) std::cout << "warning: " << warning.get<std::string>() << "\n";
 }
 
+void convert_volume(const ConvertOptions& options) {
+  const Volume volume = read_volume(options.in, progress_bar("reading"));
+  write_volume(volume, options.out, {.compress = options.compress}, progress_bar("writing"));
+  const cv::MatSize& size = volume.voxels.size;
+  if (options.json) {
+    print_json({{"dimensions", {size[2], size[1], size[0]}}, {"out", options.out}});
+  } else {
+    std::cout << "wrote " << size[2] << " x " << size[1] << " x " << size[0] << " voxels to " << options.out << "\n";
+  }
+}
+
 void convert_recording(const ConvertOptions& options) {
   const auto recording = open_recording(options.in);
   if (is_mesh_file(options.out)) {
@@ -61,19 +73,19 @@ void convert_recording(const ConvertOptions& options) {
 }
 
 void run(const ConvertOptions& options) {
-  if (is_mesh_file(options.in)) {
-    convert_mesh(options);
-  } else {
-    convert_recording(options);
-  }
+  if (is_mesh_file(options.in)) return convert_mesh(options);
+  if (is_volume_file(options.in)) return convert_volume(options);
+  convert_recording(options);
 }
 
 }  // namespace
 
 void add_convert(CLI::App& app) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = app.add_subcommand("convert", "Write a recording or a mesh in another format");
-  command->add_option("IN", options->in, "A .mha, .mhd or .nrrd sequence; or a .ply, .stl, .obj, .off or .wrl mesh")
+  CLI::App* command = app.add_subcommand("convert", "Write a recording, a volume or a mesh in another format");
+  command
+      ->add_option("IN", options->in,
+                   "A .mha, .mhd or .nrrd sequence or volume; or a .ply, .stl, .obj, .off or .wrl mesh")
       ->required();
   command->add_option("OUT", options->out, "The file to write; its extension names the format")->required();
   command->add_flag("--compress", options->compress, "Compress the pixels (smaller, but slower to open)");
