@@ -1,6 +1,11 @@
 #include "exam/results.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <utility>
+
+#include "measurement/contour_surface.h"
 
 namespace fathom {
 
@@ -10,10 +15,41 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
+void add_once(std::vector<std::string>& warnings, const std::string& warning) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+}
+
+// Fills in the volumes of the surfaces; what prevents one goes to the warnings.
+void measure_surfaces(const Structure& structure, const FrameLocator& locator, const Progress& progress,
+                      StructureResult& result) {
+  const std::array<std::pair<Guide, std::optional<double>*>, 3> guides{
+      {{Guide::kDiscs, &result.surfaces.disc_guided_ml},
+       {Guide::kCentroids, &result.surfaces.centroid_guided_ml},
+       {Guide::kShape, &result.surfaces.shape_based_ml}}};
+  double done = 0.0;
+  for (const auto& [guide, volume_ml] : guides) {
+    const Progress part = [&progress, done](double fraction) {
+      return !progress || progress(done + fraction / static_cast<double>(guides.size()));
+    };
+    try {
+      ContourSurface surface(locator, {.guide = guide});
+      surface.update(structure, part);
+      *volume_ml = surface.volume_ml();
+      for (const std::string& warning : surface.warnings()) add_once(result.measurement.warnings, warning);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      add_once(result.measurement.warnings, std::string("no surface: ") + error.what());
+    }
+    done += 1.0 / static_cast<double>(guides.size());
+  }
+}
+
 }  // namespace
 
 std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Recording& recording,
-                                                const FrameLocator& locator) {
+                                                const FrameLocator& locator, const MeasureOptions& options,
+                                                const Progress& progress) {
   const RecordingHeader& header = recording.header();
   std::vector<StructureResult> results;
   for (const Structure& structure : structures) {
@@ -28,9 +64,17 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
     const std::vector<CrossSection> sections = cross_sections(structure, locator, &warnings);
     result.measurement = measure_planimetry(sections);
     result.measurement.warnings.insert(result.measurement.warnings.begin(), warnings.begin(), warnings.end());
+    if (options.surfaces && result.measurement.volumes.linear_ml) {
+      const double done = static_cast<double>(results.size()) / static_cast<double>(structures.size());
+      const Progress part = [&progress, &structures, done](double fraction) {
+        return !progress || progress(done + fraction / static_cast<double>(structures.size()));
+      };
+      measure_surfaces(structure, locator, part, result);
+    }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     results.push_back(std::move(result));
   }
+  report(progress, 1.0);
   return results;
 }
 
@@ -45,9 +89,9 @@ nlohmann::ordered_json results_json(const std::vector<StructureResult>& results)
     item["volume_ml"] = {{"linear_planimetry", number_or_null(volumes.linear_ml)},
                          {"cubic_planimetry", number_or_null(volumes.cubic_ml)},
                          {"cubic_planimetry_3d", number_or_null(volumes.cubic_3d_ml)},
-                         {"shape_based", nullptr},
-                         {"centroid_guided", nullptr},
-                         {"disc_guided", nullptr}};
+                         {"shape_based", number_or_null(result.surfaces.shape_based_ml)},
+                         {"centroid_guided", number_or_null(result.surfaces.centroid_guided_ml)},
+                         {"disc_guided", number_or_null(result.surfaces.disc_guided_ml)}};
     item["volume_interval_ml"] = nullptr;
     item["partitions"] = nlohmann::ordered_json::array();
     item["warnings"] = result.measurement.warnings;

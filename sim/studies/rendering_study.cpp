@@ -1,0 +1,109 @@
+#include "sim/studies/rendering_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+
+#include "core/random.h"
+#include "surface/shaded_picture.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr int kPicture_px = 300;
+constexpr double kScale_px = 120.0;  // of the sphere's radius
+constexpr double kBox = 1.3;         // half of the lattice's side
+constexpr std::uint64_t kSeed = 34;
+
+Mesh sphere(const MesherOptions& mesher, double spacing) {
+  const bool cubic = mesher.lattice() == Lattice::kCubic;
+  const double column_step = cubic ? spacing : std::numbers::sqrt2 * spacing;
+  const int rows = static_cast<int>(std::ceil(2.0 * kBox / spacing)) + 1;
+  const int columns = static_cast<int>(std::ceil(2.0 * kBox / column_step)) + 1;
+  std::vector<SampledLayer> layers;
+  for (int k = 0; k < rows; ++k) {
+    SampledLayer layer;
+    layer.columns = columns;
+    layer.rows = rows;
+    layer.origin = {-kBox, -kBox, -kBox + k * spacing};
+    layer.column_step = {column_step, 0.0, 0.0};
+    layer.row_step = {0.0, spacing, 0.0};
+    for (int j = 0; j < rows; ++j) {
+      for (int i = 0; i < columns; ++i) {
+        const double aside = cubic ? 0.0 : 0.5 * ((j + k) % 2);
+        const Eigen::Vector3d at = layer.origin + (i + aside) * layer.column_step + j * layer.row_step;
+        layer.values.push_back(static_cast<float>(1.0 - at.squaredNorm()));
+      }
+    }
+    layers.push_back(std::move(layer));
+  }
+  std::vector<const SampledLayer*> stack;
+  for (const SampledLayer& layer : layers) stack.push_back(&layer);
+  Mesh mesh = join(mesh_layers(stack, 0, static_cast<int>(stack.size()), mesher));
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) mesh.normals[i] = mesh.vertices[i].normalized();
+  return mesh;
+}
+
+}  // namespace
+
+RenderingVariation rendering_variation(const MesherOptions& mesher, double spacing, int views) {
+  const Mesh mesh = sphere(mesher, spacing);
+  const ColoredMesh painted{&mesh, cv::Scalar::all(255.0)};
+  Random random(kSeed);
+  cv::Mat sum = cv::Mat::zeros(kPicture_px, kPicture_px, CV_64F);
+  cv::Mat squares = sum.clone();
+  cv::Mat covered = sum.clone();
+  for (int view = 0; view < views; ++view) {
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+    OrthographicView camera;
+    camera.direction = turn * -Eigen::Vector3d::UnitZ();
+    camera.up = turn * Eigen::Vector3d::UnitY();
+    camera.width_px = kPicture_px;
+    camera.height_px = kPicture_px;
+    camera.px_per_mm = kScale_px;
+    camera.centre_mm = Eigen::Vector3d::Zero();
+    Shading shading;
+    shading.background = cv::Scalar::all(0.0);
+    const ShadedPicture shaded = shaded_picture(std::span(&painted, 1), camera, shading);
+    for (int y = 0; y < kPicture_px; ++y) {
+      for (int x = 0; x < kPicture_px; ++x) {
+        const double grey = shaded.picture.at<cv::Vec3b>(y, x)[0];
+        sum.at<double>(y, x) += grey;
+        squares.at<double>(y, x) += grey * grey;
+        covered.at<double>(y, x) += shaded.covered.at<unsigned char>(y, x) > 0 ? 1.0 : 0.0;
+      }
+    }
+  }
+  RenderingVariation result;
+  result.triangles = mesh.triangles.size();
+  int inner = 0;
+  int border = 0;
+  for (int y = 0; y < kPicture_px; ++y) {
+    for (int x = 0; x < kPicture_px; ++x) {
+      const double mean = sum.at<double>(y, x) / views;
+      const double deviation = std::sqrt(std::max(0.0, squares.at<double>(y, x) / views - mean * mean));
+      result.mean_image += deviation;
+      const double times = covered.at<double>(y, x);
+      if (times == views) {
+        ++inner;
+        result.mean_sphere += deviation;
+        result.largest_sphere = std::max(result.largest_sphere, deviation);
+      } else if (times > 0.0) {
+        ++border;
+      }
+    }
+  }
+  const double pixels = kPicture_px * kPicture_px;
+  result.mean_image /= pixels;
+  result.mean_sphere /= std::max(1, inner);
+  result.border_percent = 100.0 * border / pixels;
+  return result;
+}
+
+}  // namespace fathom
