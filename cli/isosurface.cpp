@@ -3,8 +3,8 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 
 #include "acquisition/volume_file.h"
 #include "cli/command.h"
@@ -12,6 +12,8 @@
 #include "cli/options.h"
 #include "cli/output.h"
 #include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/progress.h"
 #include "segmentation/morphology.h"
 #include "surface/mesh_file.h"
 
@@ -23,13 +25,27 @@ struct IsosurfaceCommand {
   std::string volume;
   std::string out;
   IsosurfaceOptions surface;
-  SliceMorphology morphology;
+  double open_mm = 0.0;  // 0: not
+  double close_mm = 0.0;
   bool json = false;
 };
 
+// To open what is inside is to close what is outside, where inside means dark.
+Volume cleaned(Volume volume, const IsosurfaceCommand& command) {
+  const bool dark = command.surface.inside_below;
+  if (command.open_mm > 0.0) {
+    volume = dark ? close_slices(volume, command.open_mm) : open_slices(volume, command.open_mm);
+  }
+  if (command.close_mm > 0.0) {
+    volume = dark ? open_slices(volume, command.close_mm) : close_slices(volume, command.close_mm);
+  }
+  return volume;
+}
+
 // The library knows no file; its complaints are about this one.
-Mesh mesh_of(const Volume& volume, const IsosurfaceCommand& command) {
+Mesh mesh_of(Volume volume, const IsosurfaceCommand& command) {
   try {
+    volume = cleaned(std::move(volume), command);
     return isosurface(volume, command.surface, progress_bar("meshing"));
   } catch (const Cancelled&) {
     throw;
@@ -41,9 +57,9 @@ Mesh mesh_of(const Volume& volume, const IsosurfaceCommand& command) {
 void run(const IsosurfaceCommand& command) {
   require_mesh_name(command.out);
   AtomicFile file(command.out);
-  Volume volume = read_volume(command.volume);
+  Volume volume = read_volume(command.volume, progress_bar("reading"));
   const auto began = std::chrono::steady_clock::now();
-  const Mesh mesh = mesh_of(volume, command);
+  const Mesh mesh = mesh_of(std::move(volume), command);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   MeshReport report = report_of(mesh, "--cap closes it along the border of the volume");
   report.seconds = took.count();
@@ -68,11 +84,11 @@ void add_isosurface(CLI::App& app) {
       ->type_name("above|below");
   command->add_flag("--cap", surface.cap, "Close the surface along the border of the volume");
   command
-      ->add_option("--open-mm", options->morphology.open_mm,
+      ->add_option("--open-mm", options->open_mm,
                    "First remove, slice by slice, what a disc of this radius does not fit into")
       ->check(at_least(0));
   command
-      ->add_option("--close-mm", options->morphology.close_mm,
+      ->add_option("--close-mm", options->close_mm,
                    "Then fill, slice by slice, what a disc of this radius does not fit into outside")
       ->check(at_least(0));
   command
