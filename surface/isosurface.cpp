@@ -26,10 +26,11 @@ namespace {
 // What a surface may grow to, some gigabytes; only noise has one so large in a box that was let pass.
 constexpr std::size_t kMostVertices = 50'000'000;
 
-// Layers at a time, unless asked otherwise: enough to be worth starting threads, few enough for the cache.
+// Layers at a time, unless asked otherwise: few enough for samples and meshes to stay in the cache, which is worth more
+// than what is worked out twice where batches meet.
 constexpr int kFewestLayers = 8;
-constexpr int kMostLayers = 64;
-constexpr int kSamplesAtATime = 1 << 24;
+constexpr int kMostLayers = 16;
+constexpr int kSamplesAtATime = 1 << 22;
 
 // Makes values small enough for differences; returns whether one is not finite.
 bool clean(std::span<float> values) {
@@ -173,7 +174,7 @@ Mesh mesh_field(const FieldRows& field, const LatticeLayout& layout, const Eigen
   const int batch = batch_size(layout, options);
   for (int first = 0; first < layout.layers; first += batch) {
     report(progress, static_cast<double>(first) / layout.layers);
-    const int last = std::min(first + batch, layout.layers);
+    const int last = first + std::min(batch, layout.layers - first);
     // The mesher takes the first layer it sees for one of parity 0.
     const int begin = std::max(0, first - kLayerReach) / 2 * 2;
     const std::vector<const SampledLayer*> stack = window.layers(begin, std::min(last + kLayerReach, layout.layers));

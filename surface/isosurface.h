@@ -37,7 +37,8 @@ struct IsosurfaceOptions {
 /// Throws Error when the voxels are not of one channel or fewer than two along an axis, their axes span no space, a
 /// voxel that was met is not finite (and says which), the spacing is wider than the volume or so fine that samples or
 /// mesh would not fit (and says which one would), or no value crosses `options.value` (and says what values there are).
-/// A surface that is only a cap is none of these. Throws Cancelled.
+/// A surface that is only a cap is none of these. Messages do not name a file; callers that know one put it in front.
+/// Throws Cancelled.
 Mesh isosurface(const Volume& volume, const IsosurfaceOptions& options, const Progress& progress = {});
 
 /// A field at a place, mm. Called by several threads at once.
