@@ -9,8 +9,6 @@
 
 namespace fathom {
 
-namespace {
-
 SequenceFile read_sequence(const std::shared_ptr<const InputFile>& file) {
   if (file->size() == 0) file->fail("is empty; copy it again");
   std::array<char, 64> first = {};
@@ -21,16 +19,12 @@ SequenceFile read_sequence(const std::shared_ptr<const InputFile>& file) {
   file->fail("is not a recording that can be read; give a sequence metafile (.mha, .mhd or .nrrd)");
 }
 
-}  // namespace
-
 FileRecording::FileRecording(const std::filesystem::path& path, const InflateOptions& options)
     : FileRecording(path.string(), read_sequence(std::make_shared<InputFile>(path)), options) {}
 
 FileRecording::FileRecording(std::string name, SequenceFile sequence, const InflateOptions& options)
     : Recording(std::move(name), {}) {
-  if (sequence.header.has_images()) {
-    pixels_ = sequence.pixels.compressed_bytes ? open_compressed_pixels(sequence, options) : open_raw_pixels(sequence);
-  }
+  if (sequence.header.has_images()) pixels_ = open_pixels(sequence, options);
   header_ = std::move(sequence.header);  // it may be hundreds of megabytes: never copied
 }
 

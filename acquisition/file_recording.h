@@ -9,6 +9,9 @@
 
 namespace fathom {
 
+/// Reads the header of a sequence metafile in whichever format its first bytes name. Throws Error on any fault.
+SequenceFile read_sequence(const std::shared_ptr<const InputFile>& file);
+
 /// A recording whose pixels stay in the file until they are asked for.
 class FileRecording : public Recording {
  public:

@@ -11,6 +11,7 @@
 
 #include "acquisition/header_text.h"
 #include "acquisition/sequence_fields.h"
+#include "acquisition/volume_geometry.h"
 
 namespace fathom {
 
@@ -178,6 +179,7 @@ SequenceFile read_metaimage(const std::shared_ptr<const InputFile>& file) {
   }
   SequenceFile sequence;
   const StatedSizes sizes = stated_sizes(storage, *file);
+  sequence.sizes = sizes;
   const bool has_images = sizes.width > 0 && sizes.height > 0;
   set_image_format(sequence.header, sizes, stated_depth(storage, has_images, *file), *file);
   if (has_images) {
@@ -211,13 +213,18 @@ std::string metaimage_preamble(const RecordingHeader& header, const MetaImageLay
   }
   text += "DimSize = " + std::to_string(header.width) + ' ' + std::to_string(header.height) + ' ' +
           std::to_string(header.frame_count()) + '\n';
-  text += "Kinds = domain domain list\n";
+  if (!layout.reference_from_voxel) text += "Kinds = domain domain list\n";
   if (CV_MAT_CN(header.pixel_type) > 1) {
     text += "ElementNumberOfChannels = " + std::to_string(CV_MAT_CN(header.pixel_type)) + '\n';
   }
   text += "ElementType = ";
   text += type->first;
-  text += "\nUltrasoundImageOrientation = MFA\n";
+  text += '\n';
+  if (layout.reference_from_voxel) {
+    text += metaimage_volume_lines(*layout.reference_from_voxel);
+  } else {
+    text += "UltrasoundImageOrientation = MFA\n";
+  }
   for (const auto& [name, value] : header.fields) {
     if (!is_metaimage_storage_field(name)) append_field(text, name, value, kMetaImageFields);
   }

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include <Eigen/Geometry>
 
 #include "acquisition/sequence_fields.h"
 #include "acquisition/sequence_file.h"
@@ -28,7 +31,8 @@ SequenceFile read_metaimage(const std::shared_ptr<const InputFile>& file);
 /// How a MetaImage is to be written.
 struct MetaImageLayout {
   bool compressed = false;
-  std::string pixel_file;  ///< ElementDataFile: "LOCAL", or a name beside the header
+  std::string pixel_file;                               ///< ElementDataFile: "LOCAL", or a name beside the header
+  std::optional<Eigen::Affine3d> reference_from_voxel;  ///< of a volume; empty: a recording
 };
 
 /// Text before the frames' fields, in the order that PLUS writes. Where compressed it ends a line "CompressedDataSize =

@@ -12,6 +12,7 @@
 #include "acquisition/header_text.h"
 #include "acquisition/metaimage.h"
 #include "acquisition/nrrd_geometry.h"
+#include "acquisition/volume_geometry.h"
 #include "core/error.h"
 
 namespace fathom {
@@ -196,6 +197,7 @@ SequenceFile read_nrrd(const std::shared_ptr<const InputFile>& file) {
 
   SequenceFile sequence;
   const StatedSizes sizes = stated_sizes(storage, *file);
+  sequence.sizes = sizes;
   const bool has_images = sizes.width > 0 && sizes.height > 0;
   set_image_format(sequence.header, sizes, stated_depth(storage, has_images, *file), *file);
   if (has_images) {
@@ -206,9 +208,10 @@ SequenceFile read_nrrd(const std::shared_ptr<const InputFile>& file) {
   } else if (sizes.frames > lines.position() / kShortestFrameField) {
     file->fail("claims " + std::to_string(sizes.frames) + " frames, more than its header has room for; it is damaged");
   }
+  sequence.nrrd_space = {find(storage, "space").value_or(""), find(storage, "space directions").value_or(""),
+                         find(storage, "space origin").value_or(""), find(storage, "spacings").value_or("")};
   const NrrdGeometry geometry =
-      parse_nrrd_geometry(find(storage, "space directions").value_or(""), find(storage, "spacings").value_or(""),
-                          find(storage, "space origin").value_or(""));
+      parse_nrrd_geometry(sequence.nrrd_space->directions, sequence.nrrd_space->spacings, sequence.nrrd_space->origin);
   if (geometry.element_spacing && !has_spacing) fields.add_field("ElementSpacing", *geometry.element_spacing);
   if (geometry.offset && !has_offset) fields.add_field("Offset", *geometry.offset);
   const auto image_type = find(storage, kImageType);
@@ -219,26 +222,28 @@ SequenceFile read_nrrd(const std::shared_ptr<const InputFile>& file) {
   return sequence;
 }
 
-std::string nrrd_preamble(const RecordingHeader& header, bool compressed) {
+std::string nrrd_preamble(const RecordingHeader& header, const NrrdLayout& layout) {
   const int channels = CV_MAT_CN(header.pixel_type);
   const auto type = std::find_if(kTypes.begin(), kTypes.end(),
                                  [&](const auto& entry) { return entry.second == CV_MAT_DEPTH(header.pixel_type); });
   std::string text =
       "NRRD0004\n# Complete NRRD file format specification at:\n# http://teem.sourceforge.net/nrrd/format.html\n";
   text += channels > 1 ? "dimension: 4\n" : "dimension: 3\n";
-  text += compressed ? "encoding: gz\n" : "encoding: raw\n";
+  text += layout.compressed ? "encoding: gz\n" : "encoding: raw\n";
   text += std::endian::native == std::endian::big ? "endian: big\n" : "endian: little\n";
   // PLUS knows the axis of colours by the kind "vector" only.
-  text += channels > 1 ? "kinds: vector domain domain list\n" : "kinds: domain domain list\n";
+  text += layout.reference_from_voxel ? "kinds: domain domain domain\n"
+          : channels > 1              ? "kinds: vector domain domain list\n"
+                                      : "kinds: domain domain list\n";
   text += "sizes: ";
   if (channels > 1) text += std::to_string(channels) + ' ';
   text += std::to_string(header.width) + ' ' + std::to_string(header.height) + ' ' +
           std::to_string(header.frame_count()) + '\n';
-  text += nrrd_geometry_fields(header);
+  text += layout.reference_from_voxel ? nrrd_volume_lines(*layout.reference_from_voxel) : nrrd_geometry_fields(header);
   text += "type: ";
   text += type->first;
   text += '\n';
-  append_field(text, kImageOrientation, "MFA", kNrrdFields);
+  if (!layout.reference_from_voxel) append_field(text, kImageOrientation, "MFA", kNrrdFields);
   for (const auto& [name, value] : header.fields) {
     if (is_metaimage_storage_field(name) || name.empty() ||
         std::find(kStorageFields.begin(), kStorageFields.end(), name) != kStorageFields.end()) {

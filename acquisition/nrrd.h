@@ -1,8 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include <Eigen/Geometry>
 
 #include "acquisition/sequence_fields.h"
 #include "acquisition/sequence_file.h"
@@ -23,7 +26,13 @@ bool looks_like_nrrd(std::string_view first_bytes);
 /// too short for its pixels.
 SequenceFile read_nrrd(const std::shared_ptr<const InputFile>& file);
 
+/// How a NRRD is to be written.
+struct NrrdLayout {
+  bool compressed = false;
+  std::optional<Eigen::Affine3d> reference_from_voxel;  ///< of a volume; empty: a recording
+};
+
 /// Text before the frames' fields, as PLUS writes it. Fields of the recording follow as key/value pairs.
-std::string nrrd_preamble(const RecordingHeader& header, bool compressed);
+std::string nrrd_preamble(const RecordingHeader& header, const NrrdLayout& layout);
 
 }  // namespace fathom

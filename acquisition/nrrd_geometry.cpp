@@ -13,10 +13,7 @@
 
 namespace fathom {
 
-namespace {
-
-/// "(0.3,0) (0,0.2) none" as vectors; "none" is an empty one. Empty when the text is anything else.
-std::vector<std::vector<double>> parse_vectors(std::string_view text) {
+std::vector<std::vector<double>> parse_nrrd_vectors(std::string_view text) {
   std::vector<std::vector<double>> vectors;
   while (!(text = trimmed(text)).empty()) {
     if (text.starts_with("none")) {
@@ -35,6 +32,8 @@ std::vector<std::vector<double>> parse_vectors(std::string_view text) {
   }
   return vectors;
 }
+
+namespace {
 
 /// Three numbers as text, unless all are the usual one.
 std::optional<std::string> three_numbers(std::vector<double> values, double usual) {
@@ -63,7 +62,7 @@ std::array<double, 2> image_vector(const RecordingHeader& header, std::string_vi
 NrrdGeometry parse_nrrd_geometry(std::string_view space_directions, std::string_view spacings,
                                  std::string_view space_origin) {
   std::vector<double> lengths;
-  for (const auto& direction : parse_vectors(space_directions)) {
+  for (const auto& direction : parse_nrrd_vectors(space_directions)) {
     double squares = 0.0;
     for (const double x : direction) squares += x * x;
     if (!direction.empty()) lengths.push_back(std::sqrt(squares));
@@ -73,7 +72,7 @@ NrrdGeometry parse_nrrd_geometry(std::string_view space_directions, std::string_
       if (const auto x = parse_real(word)) lengths.push_back(*x);  // "nan" marks an axis that is no space
     }
   }
-  const auto origins = parse_vectors(space_origin);
+  const auto origins = parse_nrrd_vectors(space_origin);
   return {three_numbers(lengths, 1.0), three_numbers(origins.size() == 1 ? origins[0] : std::vector<double>(), 0.0)};
 }
 

@@ -3,10 +3,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "acquisition/recording.h"
 
 namespace fathom {
+
+/// "(0.3,0) (0,0.2) none" as vectors; "none" is an empty one. Empty when the text is anything else.
+std::vector<std::vector<double>> parse_nrrd_vectors(std::string_view text);
 
 /// Pixel spacing and origin of a NRRD file in the form of a MetaImage's fields, three numbers each; empty where they
 /// are the usual 1 and 0, or cannot be told.

@@ -19,6 +19,10 @@ void swap_bytes(uchar* numbers, std::size_t count) {
 
 }  // namespace
 
+std::unique_ptr<PixelSource> open_pixels(const SequenceFile& sequence, const InflateOptions& options) {
+  return sequence.pixels.compressed_bytes ? open_compressed_pixels(sequence, options) : open_raw_pixels(sequence);
+}
+
 bool is_stored_as_needed(const PixelStorage& pixels, int pixel_type) {
   return pixels.orientation.is_mf() && (CV_ELEM_SIZE1(pixel_type) == 1 || pixels.big_endian == kHostIsBigEndian);
 }

@@ -24,6 +24,9 @@ std::unique_ptr<PixelSource> open_raw_pixels(const SequenceFile& sequence);
 /// Compressed pixels. The last frame is kept, so that asking for it again costs nothing.
 std::unique_ptr<PixelSource> open_compressed_pixels(const SequenceFile& sequence, const InflateOptions& options = {});
 
+/// Either of them, as the file needs it.
+std::unique_ptr<PixelSource> open_pixels(const SequenceFile& sequence, const InflateOptions& options = {});
+
 /// Swaps the bytes of numbers where the stored order is not the machine's, and brings the image to MF, in place.
 void convert_stored_frame(cv::Mat& image, const PixelStorage& pixels);
 

@@ -12,6 +12,7 @@
 #include "acquisition/recording.h"
 #include "acquisition/sequence_fields.h"
 #include "acquisition/sequence_file.h"
+#include "acquisition/sequence_writer.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 
@@ -135,8 +136,11 @@ std::string padding(std::uint64_t written, std::size_t rest) {
   return std::string(static_cast<std::size_t>((kPixelAlignment - end % kPixelAlignment) % kPixelAlignment), ' ');
 }
 
-void write_mha(const Recording& recording, const std::filesystem::path& path, bool compress, const Progress& progress) {
-  const MetaImageLayout layout = {.compressed = compress, .pixel_file = "LOCAL"};
+void write_mha(const Recording& recording, const std::filesystem::path& path, const SequenceLayout& sequence_layout,
+               const Progress& progress) {
+  const bool compress = sequence_layout.compressed;
+  const MetaImageLayout layout = {
+      .compressed = compress, .pixel_file = "LOCAL", .reference_from_voxel = sequence_layout.reference_from_voxel};
   const std::string preamble = metaimage_preamble(recording.header(), layout);
   const std::string closing = '\n' + metaimage_closing_line(layout);
   AtomicFile file(path);
@@ -152,12 +156,15 @@ void write_mha(const Recording& recording, const std::filesystem::path& path, bo
   file.commit();
 }
 
-void write_mhd(const Recording& recording, const std::filesystem::path& path, bool compress, const Progress& progress) {
+void write_mhd(const Recording& recording, const std::filesystem::path& path, const SequenceLayout& sequence_layout,
+               const Progress& progress) {
+  const bool compress = sequence_layout.compressed;
   const bool has_images = recording.header().has_images();
   std::filesystem::path pixel_path = path;
   pixel_path.replace_extension(compress ? ".zraw" : ".raw");
   const MetaImageLayout layout = {.compressed = compress,
-                                  .pixel_file = has_images ? pixel_path.filename().string() : "LOCAL"};
+                                  .pixel_file = has_images ? pixel_path.filename().string() : "LOCAL",
+                                  .reference_from_voxel = sequence_layout.reference_from_voxel};
   if (const auto fault = has_images ? fault_of_pixel_file_name(layout.pixel_file) : std::nullopt) {
     throw Error(printable(path.string()) + ": its pixels would lie in \"" + printable(layout.pixel_file) +
                 "\", which " + *fault + "; choose another name, or .mha");
@@ -181,11 +188,13 @@ void write_mhd(const Recording& recording, const std::filesystem::path& path, bo
   }
 }
 
-void write_nrrd(const Recording& recording, const std::filesystem::path& path, bool compress,
+void write_nrrd(const Recording& recording, const std::filesystem::path& path, const SequenceLayout& sequence_layout,
                 const Progress& progress) {
+  const bool compress = sequence_layout.compressed;
+  const NrrdLayout layout = {.compressed = compress, .reference_from_voxel = sequence_layout.reference_from_voxel};
   AtomicFile file(path);
   const std::uint64_t written =
-      write_header(recording.header(), file, nrrd_preamble(recording.header(), compress), kNrrdFields);
+      write_header(recording.header(), file, nrrd_preamble(recording.header(), layout), kNrrdFields);
   const std::string comment = "\n#";
   const std::string closing = "\n\n";
   file.write(comment);
@@ -199,17 +208,22 @@ void write_nrrd(const Recording& recording, const std::filesystem::path& path, b
 
 }  // namespace
 
+void write_sequence(const Recording& recording, const std::filesystem::path& path, const SequenceLayout& layout,
+                    const Progress& progress) {
+  check_header(recording);
+  const std::string extension = path.extension().string();
+  if (equal_ignoring_case(extension, ".mha")) return write_mha(recording, path, layout, progress);
+  if (equal_ignoring_case(extension, ".mhd")) return write_mhd(recording, path, layout, progress);
+  if (equal_ignoring_case(extension, ".nrrd")) return write_nrrd(recording, path, layout, progress);
+  throw Error(printable(path.string()) + ": a " + (layout.reference_from_voxel ? "volume" : "recording") +
+              " cannot be written as \"" + printable(extension) + "\"; name a file ending in .mha, .mhd or .nrrd");
+}
+
 void write_recording(const Recording& recording, const std::filesystem::path& path, const WriteOptions& options,
                      const Progress& progress) {
-  check_header(recording);
   // Poses alone have no pixels to compress.
   const bool compress = options.compress && recording.header().has_images();
-  const std::string extension = path.extension().string();
-  if (equal_ignoring_case(extension, ".mha")) return write_mha(recording, path, compress, progress);
-  if (equal_ignoring_case(extension, ".mhd")) return write_mhd(recording, path, compress, progress);
-  if (equal_ignoring_case(extension, ".nrrd")) return write_nrrd(recording, path, compress, progress);
-  throw Error(printable(path.string()) + ": a recording cannot be written as \"" + printable(extension) +
-              "\"; name a file ending in .mha, .mhd or .nrrd");
+  write_sequence(recording, path, {.compressed = compress, .reference_from_voxel = std::nullopt}, progress);
 }
 
 }  // namespace fathom

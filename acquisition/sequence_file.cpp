@@ -56,6 +56,8 @@ StatedSizes parse_axes(const AxisFields& axes, const InputFile& file) {
   stated.width = sizes[0];
   stated.height = sizes[1];
   stated.frames = sizes.size() == 2 ? 1 : sizes.back();
+  stated.axes = sizes.size();
+  stated.is_list = !kinds.empty() && is_list_kind(kinds.back());
   return stated;
 }
 
@@ -64,29 +66,33 @@ std::uint64_t frame_bytes(const RecordingHeader& header) {
          static_cast<std::uint64_t>(CV_ELEM_SIZE(header.pixel_type));
 }
 
-void set_image_format(RecordingHeader& header, const StatedSizes& sizes, int depth, const InputFile& file) {
+std::optional<std::string> fault_of_image_format(const StatedSizes& sizes, int depth) {
+  const std::string images = std::to_string(sizes.width) + " x " + std::to_string(sizes.height) + " pixels";
   if (sizes.channels != 1 && !(sizes.channels == 3 && depth == CV_8U)) {
-    file.fail("has pixels of " + std::to_string(sizes.channels) +
-              " channels of its type; only one channel, or three 8-bit channels, can be read");
+    return "has pixels of " + std::to_string(sizes.channels) +
+           " channels of its type; only one channel, or three 8-bit channels, can be read";
   }
-  if ((sizes.width == 0) != (sizes.height == 0)) {
-    file.fail("has images of " + std::to_string(sizes.width) + " x " + std::to_string(sizes.height) +
-              " pixels; the header is damaged");
-  }
+  if ((sizes.width == 0) != (sizes.height == 0)) return "has images of " + images + "; the header is damaged";
   if (sizes.width > kMostPixelsPerSide || sizes.height > kMostPixelsPerSide) {
-    file.fail("has images of " + std::to_string(sizes.width) + " x " + std::to_string(sizes.height) +
-              " pixels; at most " + std::to_string(kMostPixelsPerSide) + " a side can be read");
+    return "has images of " + images + "; at most " + std::to_string(kMostPixelsPerSide) + " a side can be read";
   }
+  const std::uint64_t bytes = sizes.width * sizes.height * sizes.channels * CV_ELEM_SIZE1(depth);
+  if (bytes > kMostFrameBytes) {
+    return "has images of " + std::to_string(bytes >> 20) + " MB each; at most " +
+           std::to_string(kMostFrameBytes >> 20) + " MB can be read";
+  }
+  return std::nullopt;
+}
+
+void set_image_format(RecordingHeader& header, const StatedSizes& sizes, int depth, const InputFile& file) {
+  if (const auto fault = fault_of_image_format(sizes, depth)) file.fail(*fault);
   header.width = static_cast<int>(sizes.width);
   header.height = static_cast<int>(sizes.height);
   header.pixel_type = CV_MAKETYPE(depth, static_cast<int>(sizes.channels));
-  if (frame_bytes(header) > kMostFrameBytes) {
-    file.fail("has images of " + std::to_string(frame_bytes(header) >> 20) + " MB each; at most " +
-              std::to_string(kMostFrameBytes >> 20) + " MB can be read");
-  }
 }
 
 void set_orientation(SequenceFile& sequence, const std::optional<std::string>& text, const InputFile& file) {
+  sequence.orientation_is_stated = text.has_value();
   if (!sequence.header.has_images()) return;
   // PLUS writes XX where it does not know.
   if (!text || text->empty() || equal_ignoring_case(*text, "XX") || equal_ignoring_case(*text, "XXX")) {

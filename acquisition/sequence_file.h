@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "acquisition/input_file.h"
 #include "acquisition/orientation.h"
 #include "acquisition/recording.h"
+#include "core/input_file.h"
 
 namespace fathom {
 
@@ -22,12 +22,6 @@ struct PixelStorage {
   Orientation orientation;
 };
 
-/// A sequence metafile whose header was read and checked, and whose pixels were not read yet.
-struct SequenceFile {
-  RecordingHeader header;
-  PixelStorage pixels;
-};
-
 /// Sizes as a header states them, not checked yet.
 struct StatedSizes {
   std::uint64_t width = 0;
@@ -35,6 +29,25 @@ struct StatedSizes {
   std::uint64_t frames = 0;
   std::uint64_t channels = 1;
   bool has_channel_axis = false;  ///< whether the channels were stated as an axis
+  std::size_t axes = 0;           ///< how many were stated besides the channels
+  bool is_list = false;           ///< whether the last axis is stated to be a list or time
+};
+
+/// Fields of a NRRD header that say where its axes lie, as stored; empty where missing.
+struct NrrdSpace {
+  std::string space;
+  std::string directions;
+  std::string origin;
+  std::string spacings;
+};
+
+/// A sequence metafile whose header was read and checked, and whose pixels were not read yet.
+struct SequenceFile {
+  RecordingHeader header;
+  PixelStorage pixels;
+  StatedSizes sizes;
+  bool orientation_is_stated = false;   ///< of ultrasound images
+  std::optional<NrrdSpace> nrrd_space;  ///< empty where the file is a MetaImage
 };
 
 /// How a header states the axes of its pixels, fastest first.
@@ -51,6 +64,9 @@ StatedSizes parse_axes(const AxisFields& axes, const InputFile& file);
 
 /// Bytes of one frame.
 std::uint64_t frame_bytes(const RecordingHeader& header);
+
+/// What keeps images of this size and type from being read, for a message; empty where they can be.
+std::optional<std::string> fault_of_image_format(const StatedSizes& sizes, int depth);
 
 /// Puts width, height and pixel type into the header. `depth` is CV_8U, CV_16S, ... Throws Error when a size is beyond
 /// what is supported, only one of width and height is 0, or the type is neither grey nor 8-bit colour.

@@ -9,6 +9,7 @@ namespace fathom {
 namespace {
 
 struct Candidate {
+  float distance;  // cells; among equal codes the middle of a plateau comes first
   std::int16_t code;
   std::int16_t i;
   std::int16_t j;
@@ -46,10 +47,11 @@ std::vector<Candidate> candidates(const std::vector<std::int16_t>& codes, const 
       const std::size_t at = raster.index(i, j);
       if (inside[at] != side || !is_maximal(&codes[at], raster.columns)) continue;
       if (!touches_twice(nearest, at, static_cast<std::size_t>(raster.columns))) continue;
-      found.push_back({codes[at], static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)});
+      found.push_back({nearest.distance[at], codes[at], static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)});
     }
   }
-  std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.code > b.code; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
   return found;
 }
 
