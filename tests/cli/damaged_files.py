@@ -4,6 +4,7 @@
 import shutil
 
 import damaged_documents
+import damaged_meshes
 import damaged_recordings
 from program import complaint_about_error, ordinary_user, run_script, tree
 from recording_file import MetaImage, Nrrd
@@ -116,6 +117,25 @@ class Suite:
         self.must_refuse("contours: a folder", {"damaged.json": damaged_recordings.folder}, runs)
         self.must_refuse("contours: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
         self.must_refuse("contours: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
+
+    def meshes(self):
+        (self.good / "cube.off").write_bytes(damaged_meshes.CUBE)
+        good = {}
+        for kind in damaged_meshes.FORMATS:
+            self.program.must_run("convert", self.good / "cube.off", self.good / f"whole.{kind}")
+            good[kind] = (self.good / f"whole.{kind}").read_bytes()
+            self.must_accept(f"mesh as {kind}", ["convert", self.good / f"whole.{kind}", "out.ply", "--json"])
+        (self.good / "text.ply").write_bytes(damaged_meshes.text_ply())
+        self.must_accept("mesh as text in ply", ["convert", self.good / "text.ply", "out.stl", "--json"])
+        for name, files in damaged_meshes.meshes(good):
+            self.must_refuse(f"mesh: {name}", files, lambda path: {"convert": ["convert", path, "out.ply", "--json"]})
+
+        cube, scan = {"cube.ply": good["ply"]}, {"scan.mha": self.mha.bytes()}
+        for out in ("out.mha", "out.nrrd", "out", "out.txt"):
+            self.must_refuse(f"a mesh as {out}", cube, lambda path: {"convert": ["convert", path, out]})
+        for kind in damaged_meshes.FORMATS:
+            self.must_refuse(f"a recording as {kind}", scan, lambda path: {"convert": ["convert", path, f"out.{kind}"]})
+        self.must_refuse("a compressed mesh", cube, lambda path: {"convert": ["convert", "--compress", path, "out.ply"]})
 
     def without_permission(self):
         """Files that may not be read, as a user who is not root."""
