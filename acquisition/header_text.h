@@ -9,15 +9,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/printable.h"
+
 namespace fathom {
 
 class InputFile;
 
 // The text of a recording's header: its lines, words and numbers. Nothing here depends on the user's locale.
-
-/// Text from a file, fit for a message: control characters and bytes beyond ASCII that are no valid UTF-8 are replaced
-/// by '?', and what is longer than `longest` bytes is cut with "...".
-std::string printable(std::string_view text, std::size_t longest = 60);
 
 /// Without blanks, tabs and carriage returns at either end.
 std::string_view trimmed(std::string_view text);

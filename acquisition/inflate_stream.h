@@ -9,7 +9,7 @@
 
 #include <zlib.h>
 
-#include "acquisition/input_file.h"
+#include "core/input_file.h"
 
 namespace fathom {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "acquisition/input_file.h"
 #include "acquisition/orientation.h"
 #include "acquisition/recording.h"
+#include "core/input_file.h"
 
 namespace fathom {
 

@@ -8,7 +8,9 @@ namespace fathom {
 /// program: Error with status 1.
 void add_convert(CLI::App& app);
 void add_demo(CLI::App& app);
+void add_eqnsurf(CLI::App& app);
 void add_info(CLI::App& app);
+void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);

@@ -5,6 +5,9 @@
 #include "acquisition/volume_file.h"
 #include "cli/command.h"
 #include "cli/output.h"
+#include "core/error.h"
+#include "core/printable.h"
+#include "surface/mesh_file.h"
 
 namespace fathom {
 
@@ -16,6 +19,33 @@ struct ConvertOptions {
   bool compress = false;
   bool json = false;
 };
+
+void convert_mesh(const ConvertOptions& options) {
+  const Mesh mesh = read_mesh(options.in);
+  if (!is_mesh_file(options.out)) {
+    throw Error(printable(options.out) +
+                ": a mesh cannot be written as that; name a file ending in .ply, .stl, .obj, " + ".off or .wrl");
+  }
+  if (options.compress) {
+    throw Error(printable(options.out) + ": meshes are not compressed; leave out --compress");
+  }
+  write_mesh(mesh, options.out, {}, progress_bar("converting"));
+  const bool loses_signs = !mesh.sweep_signs.empty() && !keeps_sweep_signs(options.out);
+  nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+  if (loses_signs) {
+    warnings.push_back("the format does not keep which triangles count negative in the volume; .ply does");
+  }
+  if (options.json) {
+    print_json({{"vertices", mesh.vertices.size()},
+                {"triangles", mesh.triangles.size()},
+                {"warnings", warnings},
+                {"out", options.out}});
+    return;
+  }
+  std::cout << "wrote " << mesh.vertices.size() << " vertices and " << mesh.triangles.size() << " triangles to "
+            << options.out << "\n";
+  for (const auto& warning : warnings) std::cout << "warning: " << warning.get<std::string>() << "\n";
+}
 
 void convert_volume(const ConvertOptions& options) {
   const Volume volume = read_volume(options.in, progress_bar("reading"));
@@ -30,6 +60,10 @@ void convert_volume(const ConvertOptions& options) {
 
 void convert_recording(const ConvertOptions& options) {
   const auto recording = open_recording(options.in);
+  if (is_mesh_file(options.out)) {
+    throw Error(printable(options.out) + ": a recording cannot be written as a mesh; name a file ending in .mha, " +
+                ".mhd or .nrrd");
+  }
   write_recording(*recording, options.out, {.compress = options.compress}, progress_bar("converting"));
   if (options.json) {
     print_json({{"frames", recording->header().frame_count()}, {"out", options.out}});
@@ -39,6 +73,7 @@ void convert_recording(const ConvertOptions& options) {
 }
 
 void run(const ConvertOptions& options) {
+  if (is_mesh_file(options.in)) return convert_mesh(options);
   if (is_volume_file(options.in)) return convert_volume(options);
   convert_recording(options);
 }
@@ -47,8 +82,11 @@ void run(const ConvertOptions& options) {
 
 void add_convert(CLI::App& app) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = app.add_subcommand("convert", "Write a recording or a volume in another format");
-  command->add_option("IN", options->in, "A .mha, .mhd or .nrrd sequence or volume")->required();
+  CLI::App* command = app.add_subcommand("convert", "Write a recording, a volume or a mesh in another format");
+  command
+      ->add_option("IN", options->in,
+                   "A .mha, .mhd or .nrrd sequence or volume; or a .ply, .stl, .obj, .off or .wrl mesh")
+      ->required();
   command->add_option("OUT", options->out, "The file to write; its extension names the format")->required();
   command->add_flag("--compress", options->compress, "Compress the pixels (smaller, but slower to open)");
   command->add_flag("--json", options->json, "Print one JSON object");

@@ -35,6 +35,15 @@ CLI::Validator at_least(double low) {
       ">=" + format_real(low));
 }
 
+CLI::Validator above(double low) {
+  return CLI::Validator(
+      [low](std::string& text) {
+        const auto value = parse_real(text);
+        return value && *value > low ? kAccepted : "must be a number above " + format_real(low);
+      },
+      ">" + format_real(low));
+}
+
 CLI::Validator between(double low, double high) {
   return CLI::Validator(
       [low, high](std::string& text) {

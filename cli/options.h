@@ -11,9 +11,10 @@ namespace fathom {
 /// Adds `--probe-frame` and `--reference-frame`.
 void add_frame_names(CLI::App& command, FrameNames& names);
 
-/// Accepts finite numbers: all, those from `low` on, or those from `low` to `high`.
+/// Accepts finite numbers: all, those from `low` on, those above `low`, or those from `low` to `high`.
 CLI::Validator finite();
 CLI::Validator at_least(double low);
+CLI::Validator above(double low);
 CLI::Validator between(double low, double high);
 
 /// Accepts whole numbers from 0 to 2^64 - 1.

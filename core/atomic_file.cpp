@@ -131,7 +131,7 @@ void AtomicFile::move_to_target() {
 
 void AtomicFile::commit() { commit_all({this}); }
 
-void AtomicFile::commit_all(std::initializer_list<AtomicFile*> files) {
+void AtomicFile::commit_all(std::span<AtomicFile* const> files) {
   for (AtomicFile* file : files) file->prepare();
   for (AtomicFile* file : files) file->move_to_target();
 }

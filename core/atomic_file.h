@@ -37,7 +37,8 @@ class AtomicFile {
 
   /// Commits several files that belong together: none gets its name before the bytes of all are safe on disk.
   /// Files are renamed in the order given, so put the one that refers to the others last.
-  static void commit_all(std::initializer_list<AtomicFile*> files);
+  static void commit_all(std::span<AtomicFile* const> files);
+  static void commit_all(std::initializer_list<AtomicFile*> files) { commit_all(std::span(files)); }
 
   const std::filesystem::path& target() const { return target_; }
 

@@ -20,4 +20,10 @@ inline void report(const Progress& progress, double fraction) {
   if (progress && !progress(fraction)) throw Cancelled();
 }
 
+/// What a step of longer work reports to: its own 0 to 1 becomes `from` to `to` of the whole.
+inline Progress part_of(const Progress& progress, double from, double to) {
+  if (!progress) return {};
+  return [progress, from, to](double fraction) { return progress(from + fraction * (to - from)); };
+}
+
 }  // namespace fathom

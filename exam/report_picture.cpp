@@ -4,12 +4,12 @@
 #include <map>
 #include <span>
 
-#include <Eigen/Eigenvalues>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "exam/scene_view.h"
 
 namespace fathom {
 
@@ -23,11 +23,6 @@ const cv::Scalar kBackground(24, 17, 13);
 const cv::Scalar kPost(92, 80, 70);
 const cv::Scalar kText(225, 220, 215);
 const cv::Scalar kHighlight(70, 180, 255);
-
-cv::Scalar color_of(const Structure& structure) {
-  const unsigned long rgb = std::stoul(structure.color.substr(1), nullptr, 16);
-  return {static_cast<double>(rgb & 0xff), static_cast<double>(rgb >> 8 & 0xff), static_cast<double>(rgb >> 16)};
-}
 
 std::vector<cv::Point> fixed_point(std::span<const Eigen::Vector2d> points) {
   std::vector<cv::Point> fixed;
@@ -83,35 +78,6 @@ struct SpaceLine {
   bool filled = false;
   int thickness = 1;
 };
-
-// The direction in which the outlined B-scans look, on average.
-Eigen::Vector3d mean_depth(const FrameLocator& locator, const std::vector<Structure>& structures) {
-  Eigen::Vector3d depth = Eigen::Vector3d::Zero();
-  for (const Structure& structure : structures) {
-    for (const Contour& contour : structure.contours) {
-      const auto reference_from_image = locator.reference_from_image(contour.frame);
-      if (reference_from_image) depth += reference_from_image->linear().col(1).normalized();
-    }
-  }
-  return depth.isZero(1e-9) ? depth : Eigen::Vector3d(depth.normalized());
-}
-
-// Right, down and away from the viewer: the long axis of the points lies across, the probe is on top as in the B-scan,
-// and all is seen obliquely from above. `depth` is where the B-scans look, a unit vector or zero.
-Eigen::Matrix3d view_of(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& depth) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& point : points) mean += point / static_cast<double>(points.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& point : points) spread += (point - mean) * (point - mean).transpose();
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
-  constexpr double kTooOblique = 0.3;  // a depth this nearly along the long axis says little about what is down
-  const Eigen::Vector3d right = axes.col(2);
-  const Eigen::Vector3d across = depth - right * right.dot(depth);
-  const Eigen::Vector3d down = across.norm() > kTooOblique ? across.normalized() : Eigen::Vector3d(axes.col(1));
-  Eigen::Matrix3d view;
-  view << right.transpose(), down.transpose(), right.cross(down).transpose();
-  return Eigen::AngleAxisd(-0.45, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.65, Eigen::Vector3d::UnitY()) * view;
-}
 
 double round_length_mm(double up_to) {
   double length = std::pow(10.0, std::floor(std::log10(up_to)));
@@ -205,7 +171,7 @@ cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
   cv::Mat left = canvas(cv::Rect(0, 0, kPane, kPane));
   cv::Mat right = canvas(cv::Rect(kPane, 0, kPane, kPane));
   draw_frame(left, image, structures, frame);
-  draw_space(right, std::move(lines), view_of(outlined, mean_depth(locator, structures)));
+  draw_space(right, std::move(lines), scene_view(outlined, mean_depth(locator, structures)));
   draw_text(left, "frame " + std::to_string(frame), kMargin, kMargin - 12);
   for (std::size_t i = 0; i < captions.size(); ++i) {
     draw_text(canvas, captions[i], kMargin, kPane + kLine * static_cast<int>(i + 1));

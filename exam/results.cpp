@@ -28,12 +28,12 @@ void measure_surfaces(const Structure& structure, const FrameLocator& locator, c
        {Guide::kShape, &result.surfaces.shape_based_ml}}};
   double done = 0.0;
   for (const auto& [guide, volume_ml] : guides) {
-    const Progress part = [&progress, done](double fraction) {
-      return !progress || progress(done + fraction / static_cast<double>(guides.size()));
-    };
+    const double step = 1.0 / static_cast<double>(guides.size());
+    ContourSurfaceOptions options;
+    options.guide = guide;
     try {
-      ContourSurface surface(locator, {.guide = guide});
-      surface.update(structure, part);
+      ContourSurface surface(locator, options);
+      surface.update(structure, part_of(progress, done, done + step));
       *volume_ml = surface.volume_ml();
       for (const std::string& warning : surface.warnings()) add_once(result.measurement.warnings, warning);
     } catch (const Cancelled&) {
@@ -41,7 +41,7 @@ void measure_surfaces(const Structure& structure, const FrameLocator& locator, c
     } catch (const Error& error) {
       add_once(result.measurement.warnings, std::string("no surface: ") + error.what());
     }
-    done += 1.0 / static_cast<double>(guides.size());
+    done += step;
   }
 }
 
@@ -65,11 +65,9 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
     result.measurement = measure_planimetry(sections);
     result.measurement.warnings.insert(result.measurement.warnings.begin(), warnings.begin(), warnings.end());
     if (options.surfaces && result.measurement.volumes.linear_ml) {
-      const double done = static_cast<double>(results.size()) / static_cast<double>(structures.size());
-      const Progress part = [&progress, &structures, done](double fraction) {
-        return !progress || progress(done + fraction / static_cast<double>(structures.size()));
-      };
-      measure_surfaces(structure, locator, part, result);
+      const double step = 1.0 / static_cast<double>(structures.size());
+      const double done = step * static_cast<double>(results.size());
+      measure_surfaces(structure, locator, part_of(progress, done, done + step), result);
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     results.push_back(std::move(result));

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "measurement/outline_distance.h"
 #include "measurement/section_raster.h"
 
 namespace fathom {
@@ -17,12 +18,12 @@ struct Disc {
                         ///< negative for a disc outside
 };
 
-/// The maximal discs of one side of an outline, from the largest down, without
-/// those that protrude from a larger one by less than half their radius: the
-/// ones inside when `side` is 1, outside when it is 0. `codes` are without
-/// sign. Those outside are looked for on the raster only. Treece 2000, equation
-/// (3.3).
+/// The maximal discs of one side of an outline, from the largest down, without those that protrude from a larger one by
+/// less than half their radius: the ones inside when `side` is 1, outside when it is 0. `codes` are without sign,
+/// `nearest` are the outline's points nearest to those of the raster. Those outside are looked for on the raster only.
+/// Treece 2000, equation (3.3); besides, a disc must touch the outline at places that are at least its radius apart,
+/// for the steps of a raster make codes like those of discs all along a smooth outline.
 std::vector<Disc> maximal_discs(const std::vector<std::int16_t>& codes, const std::vector<std::uint8_t>& inside,
-                                std::uint8_t side, const SectionRaster& raster);
+                                std::uint8_t side, const SectionRaster& raster, const NearestPoints& nearest);
 
 }  // namespace fathom

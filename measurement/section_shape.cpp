@@ -92,8 +92,9 @@ SectionShape::SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster
   const std::vector<Polygon> outlines = outlines_in_cells(outlines_mm_, raster_);
   const std::vector<std::uint8_t> inside = inside_outlines(outlines, raster_);
   codes_ = chamfer_codes(inside, raster_);
-  inside_discs_ = maximal_discs(codes_, inside, 1, raster_);
-  outside_discs_ = maximal_discs(codes_, inside, 0, raster_);
+  NearestPoints nearest = nearest_outline_points(outlines, raster_);
+  inside_discs_ = maximal_discs(codes_, inside, 1, raster_, nearest);
+  outside_discs_ = maximal_discs(codes_, inside, 0, raster_, nearest);
   if (inside_discs_.empty()) {
     // Too small for the raster: it still leads to its partners on neighbouring
     // planes, like a point.
@@ -106,21 +107,20 @@ SectionShape::SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster
     std::vector<std::uint8_t> marked = inside;
     marked[raster_.index(i, j)] = 1;
     codes_ = chamfer_codes(marked, raster_);
-    outside_discs_ = maximal_discs(codes_, marked, 0, raster_);
-    find_distances(outlines, inside);
+    outside_discs_ = maximal_discs(codes_, marked, 0, raster_, nearest);
+    find_distances(std::move(nearest), inside);
     for (std::size_t at = 0; at < codes_.size(); ++at) {
       if (marked[at] == 0) codes_[at] = static_cast<std::int16_t>(-codes_[at]);
     }
     return;
   }
-  find_distances(outlines, inside);
+  find_distances(std::move(nearest), inside);
   for (std::size_t at = 0; at < codes_.size(); ++at) {
     if (inside[at] == 0) codes_[at] = static_cast<std::int16_t>(-codes_[at]);
   }
 }
 
-void SectionShape::find_distances(const std::vector<Polygon>& outlines_cells, const std::vector<std::uint8_t>& inside) {
-  NearestPoints nearest = nearest_outline_points(outlines_cells, raster_);
+void SectionShape::find_distances(NearestPoints nearest, const std::vector<std::uint8_t>& inside) {
   const int last_i = raster_.columns - 1;
   const int last_j = raster_.rows - 1;
   rim_.reserve(2 * static_cast<std::size_t>(last_i + last_j));

@@ -8,6 +8,7 @@
 
 #include "measurement/column_grid.h"
 #include "measurement/maximal_discs.h"
+#include "measurement/outline_distance.h"
 #include "measurement/section_raster.h"
 #include "segmentation/contours.h"
 
@@ -86,7 +87,7 @@ class SectionShape {
     float code;               // above 0, though outside
   };
 
-  void find_distances(const std::vector<Polygon>& outlines_cells, const std::vector<std::uint8_t>& inside);
+  void find_distances(NearestPoints nearest, const std::vector<std::uint8_t>& inside);
   float far_distance(const Eigen::Vector2f& at) const;
   float far_code(const Eigen::Vector2f& at) const;
   std::size_t rim_index(const Eigen::Vector2f& at) const;

@@ -208,7 +208,7 @@ class CubeLayer {
   void add_vertex(int row, int column, int other_layer, int other_row, int other_column) {
     const double a = value(1, row, column);
     const double b = value(other_layer, other_row, other_column);
-    const double t = std::clamp(a / (a - b), kLeastCut, 1.0 - kLeastCut);
+    const double t = std::clamp(a / (a - b), double{kLeastCut}, 1.0 - kLeastCut);
     const LayerGeometry& from = geometry_[0];
     const LayerGeometry& to = geometry_[static_cast<std::size_t>(other_layer - 1)];
     mesh_.vertices.push_back((1.0 - t) * from.at(column, row) + t * to.at(other_column, other_row));

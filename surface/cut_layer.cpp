@@ -10,20 +10,6 @@ namespace fathom {
 
 namespace {
 
-// kColumnStep[shifted][e]: from the column of a sample to that of the end of edge e, which depends on whether the
-// sample's row is shifted by half a column.
-constexpr std::array<std::array<int, kLatticeEdges>, 2> kColumnStep = [] {
-  std::array<std::array<int, kLatticeEdges>, 2> table{};
-  for (int shifted = 0; shifted < 2; ++shifted) {
-    for (std::size_t e = 0; e < kLatticeEdges; ++e) {
-      const LatticeStep& step = kLatticeSteps[e];
-      const int other = (step.j + step.k) % 2 == 0 ? shifted : 1 - shifted;
-      table[static_cast<std::size_t>(shifted)][e] = (step.m + shifted - other) / 2;
-    }
-  }
-  return table;
-}();
-
 std::uint64_t inside_word(const float* values, int count) {
   std::uint64_t word = 0;
   int i = 0;
@@ -52,12 +38,6 @@ const CutLayer* layer_at(const CutLayer& layer, const CutLayer* below, const Cut
 
 }  // namespace
 
-EdgeEnd edge_end(const CutLayer& layer, int row, int column, int edge) {
-  const auto e = static_cast<std::size_t>(edge);
-  const LatticeStep& step = kLatticeSteps[e];
-  return {row + step.j, column + kColumnStep[layer.shifted(row) ? 1 : 0][e], step.k};
-}
-
 void mark_inside(CutLayer& layer) {
   const int columns = layer.samples->columns;
   const int rows = layer.samples->rows;
@@ -73,6 +53,8 @@ void mark_inside(CutLayer& layer) {
 Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above, int row, int column) {
   Star star;
   star.centre = layer.at(row, column);
+  star.value[14] = star.centre;
+  star.value[15] = star.centre;
   const int columns = layer.samples->columns;
   const int rows = layer.samples->rows;
   const auto& steps = kColumnStep[layer.shifted(row) ? 1 : 0];
@@ -88,13 +70,14 @@ Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above
     star.there = kAllEdges;
     return star;
   }
+  star.there = 0;
   for (std::size_t e = 0; e < kLatticeEdges; ++e) {
     const LatticeStep& step = kLatticeSteps[e];
     const CutLayer* other = layer_at(layer, below, above, step.k);
     const int j = row + step.j;
     const int i = column + steps[e];
     if (!other || j < 0 || j >= rows || i < 0 || i >= columns) {
-      star.value[e] = star.centre;  // never cut
+      star.value[e] = star.centre;
       continue;
     }
     star.value[e] = other->at(j, i);
@@ -103,25 +86,31 @@ Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above
   return star;
 }
 
-EdgeMask cluster_of(EdgeMask near, int edge) {
-  EdgeMask cluster = edge_bit(edge);
-  EdgeMask to_do = cluster;
-  while (to_do != 0) {
-    const int e = std::countr_zero(to_do);
-    to_do = static_cast<EdgeMask>(to_do & (to_do - 1));
-    const auto found =
-        static_cast<EdgeMask>(kNextEdges[static_cast<std::size_t>(e)] & near & static_cast<EdgeMask>(~cluster));
-    cluster |= found;
-    to_do |= found;
-  }
-  return cluster;
+EdgeMask first_cluster(EdgeMask near) {
+  static const std::vector<EdgeMask> table = [] {
+    std::vector<EdgeMask> all(kAllEdges + 1);
+    for (std::size_t mask = 1; mask < all.size(); ++mask) {
+      auto cluster = static_cast<EdgeMask>(mask & (~mask + 1));
+      for (EdgeMask to_do = cluster; to_do != 0;) {
+        const auto e = static_cast<std::size_t>(std::countr_zero(to_do));
+        to_do = static_cast<EdgeMask>(to_do & (to_do - 1));
+        const auto found = static_cast<EdgeMask>(kNextEdges[e] & mask & static_cast<EdgeMask>(~cluster));
+        cluster |= found;
+        to_do |= found;
+      }
+      all[mask] = cluster;
+    }
+    return all;
+  }();
+  return table[near];
 }
 
 std::int32_t vertex_of(const CutSample& sample, int edge) {
   std::int32_t vertex = sample.first_vertex;
+  if (sample.single) return vertex;
   EdgeMask rest = sample.near;
   while (true) {
-    const EdgeMask cluster = cluster_of(rest, std::countr_zero(rest));
+    const EdgeMask cluster = first_cluster(rest);
     const bool kept = (cluster & sample.kept) != 0;
     if (has_edge(cluster, edge)) {
       const auto before = static_cast<EdgeMask>(cluster & (edge_bit(edge) - 1));
@@ -196,77 +185,178 @@ bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star) {
   return label_runs >= 3 && label_runs == std::popcount(labels);
 }
 
+namespace {
+
+// Fills in `cut` and `near`: which ends lie on the other side, and which of those farther from the surface.
+void mark_edges(const Star& star, CutSample& sample) {
+  unsigned other_side = 0;
+  unsigned farther = 0;
+  unsigned equal = 0;
+#if defined(__SSE2__)
+  const __m128 zero = _mm_setzero_ps();
+  const __m128 magnitude = _mm_castsi128_ps(_mm_set1_epi32(0x7FFFFFFF));
+  const __m128 centre = _mm_and_ps(_mm_set1_ps(star.centre), magnitude);
+  for (unsigned i = 0; i < 16; i += 4) {
+    const __m128 four = _mm_load_ps(star.value.data() + i);
+    const __m128 size = _mm_and_ps(four, magnitude);
+    other_side |= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpge_ps(four, zero))) << i;
+    farther |= static_cast<unsigned>(_mm_movemask_ps(_mm_cmplt_ps(centre, size))) << i;
+    equal |= static_cast<unsigned>(_mm_movemask_ps(_mm_cmpeq_ps(centre, size))) << i;
+  }
+#else
+  const float centre = star.centre < 0.0F ? -star.centre : star.centre;
+  for (unsigned i = 0; i < 16; ++i) {
+    const float size = star.value[i] < 0.0F ? -star.value[i] : star.value[i];
+    other_side |= (star.value[i] >= 0.0F ? 1U : 0U) << i;
+    farther |= (centre < size ? 1U : 0U) << i;
+    equal |= (centre == size ? 1U : 0U) << i;
+  }
+#endif
+  constexpr unsigned kForward = kAllEdges & ~((1U << kFirstForwardEdge) - 1);
+  if (star.centre >= 0.0F) other_side = ~other_side;
+  sample.cut = static_cast<EdgeMask>(other_side & kAllEdges);
+  sample.near = static_cast<EdgeMask>(sample.cut & (farther | (equal & kForward)));
+}
+
+// The change of the field by least squares over the edges, whose normal matrix is diagonal in this lattice. An end that
+// is not of the field is where the straight line through the sample and the opposite end leads.
+std::array<float, 3> change_in(const Star& star, EdgeMask of_field) {
+  std::array<float, kLatticeEdges> value;
+  std::copy_n(star.value.begin(), kLatticeEdges, value.begin());
+  if (of_field != kAllEdges) {
+    for (int e = 0; e < kLatticeEdges; ++e) {
+      if (has_edge(of_field, e)) continue;
+      const float opposite = star.value[static_cast<std::size_t>(opposite_edge(e))];
+      value[static_cast<std::size_t>(e)] =
+          has_edge(of_field, opposite_edge(e)) ? 2.0F * star.centre - opposite : star.centre;
+    }
+  }
+  float m = 0.0F;
+  float j = 0.0F;
+  float k = 0.0F;
+  for (std::size_t e = kFirstForwardEdge; e < kLatticeEdges; ++e) {
+    const float difference = value[e] - value[kLatticeEdges - 1 - e];
+    m += static_cast<float>(kLatticeSteps[e].m) * difference;
+    j += static_cast<float>(kLatticeSteps[e].j) * difference;
+    k += static_cast<float>(kLatticeSteps[e].k) * difference;
+  }
+  return {m / 16.0F, j / 8.0F, k / 8.0F};
+}
+
+// The edges whose ends are samples of the field.
+EdgeMask ends_of_field(const CutLayer& layer, const CutLayer* below, const CutLayer* above, const Star& star, int row,
+                       int column) {
+  EdgeMask result = star.there;
+  for (EdgeMask rest = star.there; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
+    const int e = std::countr_zero(rest);
+    const EdgeEnd end = edge_end(layer, row, column, e);
+    if (layer_at(layer, below, above, end.layer_step)->made_up(end.row, end.column)) {
+      result = static_cast<EdgeMask>(result & ~edge_bit(e));
+    }
+  }
+  return result;
+}
+
+// Decides which near cuts become one vertex and counts the layer's vertices.
+void cluster_cuts(const Star& star, Clustering clustering, CutLayer& layer, CutSample& sample) {
+  sample.first_vertex = layer.vertices;
+  for (EdgeMask rest = sample.near; rest != 0;) {
+    const EdgeMask cluster = first_cluster(rest);
+    rest = static_cast<EdgeMask>(rest & ~cluster);
+    const bool one = (cluster & (cluster - 1)) == 0;
+    if (one || (clustering == Clustering::kClusters && collapsible(cluster, sample.cut, star))) {
+      sample.kept |= cluster;
+      sample.single = cluster == sample.near;
+      ++layer.vertices;
+    } else {
+      layer.vertices += std::popcount(cluster);
+    }
+  }
+}
+
+// The rows around a row of a layer, as bits; null where there are none.
+struct RowBits {
+  std::array<std::array<const std::uint64_t*, 3>, 3> at{};  // by steps of layers and rows, plus 1
+
+  const std::uint64_t* along(const LatticeStep& step) const {
+    return at[static_cast<std::size_t>(step.k + 1)][static_cast<std::size_t>(step.j + 1)];
+  }
+
+  // Whether all samples around those of a word are on one side.
+  bool quiet(int word, int words) const {
+    const std::uint64_t own = at[1][1][word];
+    if (own != 0 && own != ~std::uint64_t{0}) return false;
+    std::uint64_t differs = 0;
+    for (const auto& layer : at) {
+      for (const std::uint64_t* row : layer) {
+        if (!row) continue;
+        differs |= row[word] ^ own;
+        if (word > 0) differs |= (row[word - 1] ^ own) >> 63;
+        if (word + 1 < words) differs |= (row[word + 1] ^ own) & 1U;
+      }
+    }
+    return differs == 0;
+  }
+};
+
+}  // namespace
+
 void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Clustering clustering) {
   const int columns = layer.samples->columns;
   const int rows = layer.samples->rows;
   const int words = layer.words;
   layer.active.assign(layer.inside.size(), 0);
   layer.before.assign(layer.inside.size(), 0);
+  layer.row_begin.assign(static_cast<std::size_t>(rows) + 1, 0);
   layer.cuts.clear();
   layer.vertices = 0;
-  const std::vector<std::uint64_t> whole_row = [&] {
-    std::vector<std::uint64_t> row(static_cast<std::size_t>(words), ~std::uint64_t{0});
-    if (columns % 64 != 0) row.back() = (std::uint64_t{1} << (columns % 64)) - 1;
-    return row;
-  }();
+  std::vector<std::uint64_t> whole_row(static_cast<std::size_t>(words), ~std::uint64_t{0});
+  if (columns % 64 != 0) whole_row.back() = (std::uint64_t{1} << (columns % 64)) - 1;
+  const bool at_end = !below || !above || below->beyond || above->beyond || layer.beyond;
 
   for (int j = 0; j < rows; ++j) {
+    layer.row_begin[static_cast<std::size_t>(j)] = static_cast<std::int32_t>(layer.cuts.size());
     const auto& steps = kColumnStep[layer.shifted(j) ? 1 : 0];
-    std::array<const std::uint64_t*, kLatticeEdges> other_row;
-    for (std::size_t e = 0; e < kLatticeEdges; ++e) {
-      const LatticeStep& step = kLatticeSteps[e];
-      const CutLayer* other = layer_at(layer, below, above, step.k);
-      const int row = j + step.j;
-      other_row[e] = other && row >= 0 && row < rows
-                         ? other->inside.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(words)
-                         : nullptr;
+    RowBits bits;
+    for (int k = -1; k <= 1; ++k) {
+      const CutLayer* other = layer_at(layer, below, above, k);
+      for (int row = std::max(0, j - 1); other && row <= std::min(rows - 1, j + 1); ++row) {
+        bits.at[static_cast<std::size_t>(k + 1)][static_cast<std::size_t>(row - j + 1)] =
+            other->inside.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(words);
+      }
     }
-    const std::uint64_t* own_row = layer.inside.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(words);
+    const bool side_row = j <= 1 || j + 2 >= rows;
     for (int w = 0; w < words; ++w) {
       const auto place = static_cast<std::size_t>(j * words + w);
       layer.before[place] = static_cast<std::int32_t>(layer.cuts.size());
-      const std::uint64_t real = whole_row[static_cast<std::size_t>(w)];
-      std::array<std::uint64_t, kLatticeEdges> differs;
+      if (bits.quiet(w, words)) continue;
+      const std::uint64_t own = bits.at[1][1][w];
       std::uint64_t any = 0;
       for (std::size_t e = 0; e < kLatticeEdges; ++e) {
-        differs[e] = 0;
-        if (!other_row[e]) continue;
-        differs[e] =
-            (own_row[w] ^ moved(other_row[e], w, words, steps[e])) & real & moved(whole_row.data(), w, words, steps[e]);
-        any |= differs[e];
+        const std::uint64_t* row = bits.along(kLatticeSteps[e]);
+        if (row) any |= (own ^ moved(row, w, words, steps[e])) & moved(whole_row.data(), w, words, steps[e]);
       }
+      any &= whole_row[static_cast<std::size_t>(w)];
       layer.active[place] = any;
       for (; any != 0; any &= any - 1) {
-        const int bit = std::countr_zero(any);
-        CutSample sample;
+        CutSample& sample = layer.cuts.emplace_back();
         sample.row = j;
-        sample.column = 64 * w + bit;
-        for (int e = 0; e < kLatticeEdges; ++e) {
-          sample.cut |= static_cast<EdgeMask>((differs[static_cast<std::size_t>(e)] >> bit & 1) << e);
-        }
+        sample.column = 64 * w + std::countr_zero(any);
         const Star star = star_of(layer, below, above, j, sample.column);
-        for (EdgeMask rest = sample.cut; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-          const int e = std::countr_zero(rest);
-          if (nearer_to_first(star.centre, star.value[static_cast<std::size_t>(e)], e >= kFirstForwardEdge)) {
-            sample.near |= edge_bit(e);
+        mark_edges(star, sample);
+        if (at_end || side_row || sample.column <= 1 || sample.column + 2 >= columns) {
+          sample.made_up = layer.made_up(j, sample.column);
+          if (!sample.made_up) {
+            sample.change = change_in(star, ends_of_field(layer, below, above, star, j, sample.column));
           }
+        } else {
+          sample.change = change_in(star, kAllEdges);
         }
-        sample.first_vertex = layer.vertices;
-        for (EdgeMask rest = sample.near; rest != 0;) {
-          const EdgeMask cluster = cluster_of(rest, std::countr_zero(rest));
-          rest = static_cast<EdgeMask>(rest & ~cluster);
-          const bool single = std::has_single_bit(cluster);
-          if (single || (clustering == Clustering::kClusters && collapsible(cluster, sample.cut, star))) {
-            sample.kept |= cluster;
-            ++layer.vertices;
-          } else {
-            layer.vertices += std::popcount(cluster);
-          }
-        }
-        layer.cuts.push_back(sample);
+        cluster_cuts(star, clustering, layer, sample);
       }
     }
   }
+  layer.row_begin.back() = static_cast<std::int32_t>(layer.cuts.size());
 }
 
 }  // namespace fathom

@@ -11,6 +11,10 @@
 
 namespace fathom {
 
+/// Lower than any field: the value of samples that are made up to close the surface. It is cut directly at its
+/// neighbours.
+inline constexpr float kFarOutside = -1e30F;
+
 /// A sample from which at least one edge is cut by the surface.
 struct CutSample {
   std::int32_t row = 0;
@@ -18,30 +22,41 @@ struct CutSample {
   EdgeMask cut = 0;               ///< edges whose ends lie on different sides of the surface
   EdgeMask near = 0;              ///< those of them that are cut nearer to this sample than to the other
   EdgeMask kept = 0;              ///< those near cuts whose cluster becomes one vertex
+  bool single = false;            ///< all near cuts become one vertex
+  bool made_up = false;           ///< not a sample of the field
   std::int32_t first_vertex = 0;  ///< of this sample, among the layer's
+  /// The change of the field with each step of (m, j, k), by least squares over the edges; zero where made up.
+  std::array<float, 3> change{};
 };
 
-/// The values at a sample and at the ends of its edges.
+/// The values at a sample and at the ends of its edges. The value is that of the centre where the end is missing, and
+/// behind the last edge, so that it is not cut.
 struct Star {
-  std::array<float, kLatticeEdges> value{};
-  float centre = 0.0F;
-  EdgeMask there = 0;  ///< edges whose ends are in the stack
+  alignas(16) std::array<float, 16> value;
+  float centre;
+  EdgeMask there;  ///< edges whose ends are in the stack
 };
 
 /// A layer of the body-centred lattice and where the surface cuts it. Treece 2000, sections 3.4.2 and 3.4.3.
 struct CutLayer {
   const SampledLayer* samples = nullptr;
-  int parity = 0;       ///< of the layer's number
-  bool beyond = false;  ///< made up, all outside, to close the surface at an end
+  int parity = 0;              ///< of the layer's number
+  bool beyond = false;         ///< made up, all outside, to close the surface at an end
+  bool made_up_sides = false;  ///< the outermost rows and columns are made up
 
-  int words = 0;                      ///< of 64 samples, in each row
-  std::vector<std::uint64_t> inside;  ///< a bit for each sample
-  std::vector<std::uint64_t> active;  ///< a bit for each element of `cuts`
-  std::vector<std::int32_t> before;   ///< elements of `cuts` before each word of `active`
-  std::vector<CutSample> cuts;        ///< by rows and columns, ascending
+  int words = 0;                        ///< of 64 samples, in each row
+  std::vector<std::uint64_t> inside;    ///< a bit for each sample
+  std::vector<std::uint64_t> active;    ///< a bit for each element of `cuts`
+  std::vector<std::int32_t> before;     ///< elements of `cuts` before each word of `active`
+  std::vector<std::int32_t> row_begin;  ///< the first element of `cuts` of each row, and one more
+  std::vector<CutSample> cuts;          ///< by rows and columns, ascending
   std::int32_t vertices = 0;
 
   bool shifted(int row) const { return ((row + parity) & 1) != 0; }
+  bool side(int row, int column) const {
+    return row == 0 || row + 1 == samples->rows || column == 0 || column + 1 == samples->columns;
+  }
+  bool made_up(int row, int column) const { return beyond || (made_up_sides && side(row, column)); }
   float at(int row, int column) const {
     return samples->values[static_cast<std::size_t>(row) * static_cast<std::size_t>(samples->columns) +
                            static_cast<std::size_t>(column)];
@@ -50,7 +65,16 @@ struct CutLayer {
   const CutSample& cut(int row, int column) const {
     const auto word = static_cast<std::size_t>(row * words + column / 64);
     const std::uint64_t below = active[word] & ((std::uint64_t{1} << (column % 64)) - 1);
-    return cuts[static_cast<std::size_t>(before[word] + std::popcount(below))];
+    return cuts[static_cast<std::size_t>(before[word] + ones(below))];
+  }
+
+ private:
+  // std::popcount is a call where the processor need not have the instruction.
+  static std::int32_t ones(std::uint64_t bits) {
+    bits -= bits >> 1 & 0x5555555555555555U;
+    bits = (bits & 0x3333333333333333U) + (bits >> 2 & 0x3333333333333333U);
+    bits = (bits + (bits >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+    return static_cast<std::int32_t>(bits * 0x0101010101010101U >> 56);
   }
 };
 
@@ -63,7 +87,26 @@ struct EdgeEnd {
   int column = 0;
   int layer_step = 0;
 };
-EdgeEnd edge_end(const CutLayer& layer, int row, int column, int edge);
+
+/// kColumnStep[shifted][e]: from the column of a sample to that of the end of edge e, which depends on whether the
+/// sample's row is shifted by half a column.
+inline constexpr std::array<std::array<int, kLatticeEdges>, 2> kColumnStep = [] {
+  std::array<std::array<int, kLatticeEdges>, 2> table{};
+  for (int shifted = 0; shifted < 2; ++shifted) {
+    for (std::size_t e = 0; e < kLatticeEdges; ++e) {
+      const LatticeStep& step = kLatticeSteps[e];
+      const int other = (step.j + step.k) % 2 == 0 ? shifted : 1 - shifted;
+      table[static_cast<std::size_t>(shifted)][e] = (step.m + shifted - other) / 2;
+    }
+  }
+  return table;
+}();
+
+inline EdgeEnd edge_end(const CutLayer& layer, int row, int column, int edge) {
+  const auto e = static_cast<std::size_t>(edge);
+  const LatticeStep& step = kLatticeSteps[e];
+  return {row + step.j, column + kColumnStep[layer.shifted(row) ? 1 : 0][e], step.k};
+}
 
 /// Fills in `inside` and `words`.
 void mark_inside(CutLayer& layer);
@@ -82,8 +125,8 @@ inline bool nearer_to_first(float first, float second, bool first_comes_first) {
   return a < b || (a == b && first_comes_first);
 }
 
-/// The near cuts that are connected with that of `edge`.
-EdgeMask cluster_of(EdgeMask near, int edge);
+/// The near cuts that are connected with the first one; `near` is not empty.
+EdgeMask first_cluster(EdgeMask near);
 
 /// The vertex, among those of its layer, of the cut of `edge` that is near to the sample.
 std::int32_t vertex_of(const CutSample& sample, int edge);

@@ -20,16 +20,24 @@ struct LayerGeometry {
 
   Eigen::Vector3d at(double m, double j) const { return origin + m * per_m + j * per_j; }
 
+  /// From the field's change with each step of (m, j, k) to a vector along `outward`; singular where the lattice is
+  /// flat.
+  Eigen::Matrix3d outward_map(double m, double j) const {
+    const Eigen::Vector3d step = next + m * next_per_m + j * next_per_j;
+    const Eigen::Vector3d across = per_m.cross(per_j);
+    Eigen::Matrix3d map;
+    // The columns of the inverse transpose, times the determinant, whose sign is that of the layers' sense.
+    map << per_j.cross(step), step.cross(per_m), across;
+    return across.dot(step) < 0.0 ? map : Eigen::Matrix3d(-map);
+  }
+
   /// The unit vector that points to where the field falls, from its change with each step of (m, j, k). Some unit
   /// vector where the field does not change or the lattice is flat.
   Eigen::Vector3d outward(const Eigen::Vector3d& change, double m, double j) const {
-    const Eigen::Vector3d step = next + m * next_per_m + j * next_per_j;
-    const Eigen::Vector3d across = per_m.cross(per_j);
-    // The columns of the inverse transpose, times the determinant, whose sign is that of the layers' sense.
-    const Eigen::Vector3d fall = change.x() * per_j.cross(step) + change.y() * step.cross(per_m) + change.z() * across;
-    const double sense = across.dot(step) < 0.0 ? 1.0 : -1.0;
+    const Eigen::Vector3d fall = outward_map(m, j) * change;
     const double length = fall.norm();
-    if (length > 1e-300) return sense / length * fall;
+    if (length > 1e-300) return 1.0 / length * fall;
+    const Eigen::Vector3d across = per_m.cross(per_j);
     return across.norm() > 1e-300 ? Eigen::Vector3d(across.normalized()) : Eigen::Vector3d::UnitZ();
   }
 };

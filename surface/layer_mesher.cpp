@@ -13,9 +13,6 @@ namespace fathom {
 
 namespace {
 
-// Lower than any field: what is made up beyond the ends of the stack is cut directly at its samples.
-constexpr float kFarOutside = -1e30F;
-
 // The stack with what closes it: layers from -1 to its size where the ends are capped.
 class Stack {
  public:
@@ -55,7 +52,7 @@ void for_each_layer(int begin, int end, const Work& work) {
 // Layers of a stack by their numbers, from `low` to `high` - 1; null outside.
 class CutLayers {
  public:
-  CutLayers(const Stack& stack, int low, int high) : low_(std::max(low, stack.low())) {
+  CutLayers(const Stack& stack, int low, int high, bool made_up_sides) : low_(std::max(low, stack.low())) {
     const int end = std::min(high, stack.high());
     layers_.resize(static_cast<std::size_t>(std::max(0, end - low_)));
     for (int k = low_; k < end; ++k) {
@@ -63,6 +60,7 @@ class CutLayers {
       layer.samples = stack.at(k);
       layer.parity = k & 1;
       layer.beyond = stack.beyond(k);
+      layer.made_up_sides = made_up_sides;
     }
   }
 
@@ -79,15 +77,15 @@ std::vector<LayerMesh> mesh_tetrahedra(const Stack& stack, int first, int last, 
   const Clustering clustering = options.mesher == Mesher::kRegularised ? Clustering::kClusters : Clustering::kNone;
   // The made-up layer below the stack has no vertices; its triangles go to the first layer.
   const int begin = first == 0 ? stack.low() : first;
-  CutLayers layers(stack, begin - 2, last + 3);
+  CutLayers layers(stack, begin - 2, last + 2, options.made_up_sides);
   for_each_layer(layers.low(), layers.high(), [&](int k) { mark_inside(*layers.at(k)); });
-  for_each_layer(begin, std::min(last + 1, layers.high()),
+  for_each_layer(std::max(layers.low(), begin - 1), std::min(last + 1, layers.high()),
                  [&](int k) { mark_cuts(*layers.at(k), layers.at(k - 1), layers.at(k + 1), clustering); });
   std::vector<LayerMesh> meshes(static_cast<std::size_t>(last - first));
   for_each_layer(first, last, [&](int k) {
     LayerMesh& mesh = meshes[static_cast<std::size_t>(k - first)];
     if (k == 0 && begin < 0) add_triangles(*layers.at(-1), *layers.at(0), mesh);
-    const LayerStar around{{layers.at(k - 2), layers.at(k - 1), layers.at(k), layers.at(k + 1), layers.at(k + 2)}};
+    const LayerStar around{{layers.at(k - 1), layers.at(k), layers.at(k + 1)}};
     const auto vertices = static_cast<std::size_t>(layers.at(k)->vertices);
     mesh.vertices.reserve(vertices);
     mesh.normals.reserve(vertices);

@@ -3,329 +3,267 @@
 #include <algorithm>
 #include <cmath>
 
+#include "surface/bend_weight.h"
+
 namespace fathom {
 
 namespace {
 
-int half_columns(const CutLayer& layer, int row, int column) { return 2 * column + (layer.shifted(row) ? 1 : 0); }
-
 const CutLayer* real(const CutLayer* layer) { return layer && !layer->beyond ? layer : nullptr; }
 
-// The change of the field with each step of (m, j, k), by least squares over the edges: the lattice makes the normal
-// matrix diagonal. An end that is missing is where the straight line through the sample and the opposite end leads.
-Eigen::Vector3d change_at(const CutLayer& layer, const CutLayer* below, const CutLayer* above, int row, int column) {
-  Star star = star_of(layer, real(below), real(above), row, column);
-  if (star.there != kAllEdges) {
-    for (int e = 0; e < kLatticeEdges; ++e) {
-      if (has_edge(star.there, e) || !has_edge(star.there, opposite_edge(e))) continue;
-      star.value[static_cast<std::size_t>(e)] =
-          2.0F * star.centre - star.value[static_cast<std::size_t>(opposite_edge(e))];
-    }
-  }
-  float m = 0.0F;
-  float j = 0.0F;
-  float k = 0.0F;
-  for (std::size_t e = kFirstForwardEdge; e < kLatticeEdges; ++e) {
-    const float difference = star.value[e] - star.value[kLatticeEdges - 1 - e];
-    m += static_cast<float>(kLatticeSteps[e].m) * difference;
-    j += static_cast<float>(kLatticeSteps[e].j) * difference;
-    k += static_cast<float>(kLatticeSteps[e].k) * difference;
-  }
-  return {m / 16.0, j / 8.0, k / 8.0};
-}
+using Vector3 = Eigen::Vector3f;
 
-// The regular lattice, for angles: half a column step is 1, rows and layers are sqrt(2) apart.
-Eigen::Vector3d regular(const LatticeStep& step) {
-  return {static_cast<double>(step.m), std::sqrt(2.0) * step.j, std::sqrt(2.0) * step.k};
-}
+Vector3 as_vector(const std::array<float, 3>& change) { return {change[0], change[1], change[2]}; }
 
-// Around an edge lie four or six others, in pairs on opposite sides of it; a pair and the edge span a plane.
-// Treece 2000, figure 3.28.
-struct EdgePlane {
-  int b = 0;
-  int c = 0;
-  double cos_b = 0.0;  // of the angle between the edge and the neighbour
-  double cos_c = 0.0;
-  double ratio_b = 0.0;  // length of the edge by that of the neighbour
-  double ratio_c = 0.0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+// The way in (m, j, k) in which the field changes fastest in the regular lattice, where a half column is 1 and rows and
+// layers are sqrt(2) apart.
+Vector3 steepest(const Vector3& change) { return {change.x(), 0.5F * change.y(), 0.5F * change.z()}; }
+
+// The sum of the ways from a sample to cuts, by the layers to which their edges lead.
+struct CutSum {
+  struct ToLayer {
+    float t = 0.0F;
+    float m = 0.0F;
+    float j = 0.0F;
+  };
+  std::array<ToLayer, 3> to;  // one below, the same, one above
+
+  void add(std::size_t edge, float share) {
+    const LatticeStep& step = kLatticeSteps[edge];
+    ToLayer& layer = to[static_cast<std::size_t>(step.k + 1)];
+    layer.t += share;
+    layer.m += share * static_cast<float>(step.m);
+    layer.j += share * static_cast<float>(step.j);
+  }
+  void add(const Vector3& way) {
+    to[1].m += way.x();
+    to[1].j += way.y();
+    to[way.z() < 0.0F ? 0U : 2U].t += std::abs(way.z());
+  }
+  Vector3 in_lattice() const { return {to[0].m + to[1].m + to[2].m, to[0].j + to[1].j + to[2].j, to[2].t - to[0].t}; }
 };
-
-struct EdgePlanes {
-  int count = 0;
-  std::array<EdgePlane, 3> planes;
-};
-
-std::array<EdgePlanes, kLatticeEdges> make_edge_planes() {
-  std::array<EdgePlanes, kLatticeEdges> all;
-  for (int a = 0; a < kLatticeEdges; ++a) {
-    const Eigen::Vector3d edge = regular(kLatticeSteps[static_cast<std::size_t>(a)]);
-    std::array<int, 6> circle{};
-    const EdgeMask next = kNextEdges[static_cast<std::size_t>(a)];
-    const int around = std::popcount(next);
-    circle[0] = std::countr_zero(next);
-    for (int i = 1; i < around; ++i) {
-      circle[static_cast<std::size_t>(i)] =
-          kLeftOf[static_cast<std::size_t>(a)][static_cast<std::size_t>(circle[static_cast<std::size_t>(i - 1)])];
-    }
-    EdgePlanes& planes = all[static_cast<std::size_t>(a)];
-    planes.count = around / 2;
-    for (int i = 0; i < planes.count; ++i) {
-      EdgePlane& plane = planes.planes[static_cast<std::size_t>(i)];
-      plane.b = circle[static_cast<std::size_t>(i)];
-      plane.c = circle[static_cast<std::size_t>(i + planes.count)];
-      const Eigen::Vector3d b = regular(kLatticeSteps[static_cast<std::size_t>(plane.b)]);
-      const Eigen::Vector3d c = regular(kLatticeSteps[static_cast<std::size_t>(plane.c)]);
-      plane.cos_b = edge.dot(b) / (edge.norm() * b.norm());
-      plane.cos_c = edge.dot(c) / (edge.norm() * c.norm());
-      plane.ratio_b = edge.norm() / b.norm();
-      plane.ratio_c = edge.norm() / c.norm();
-      plane.normal = edge.cross(b).normalized();
-    }
-  }
-  return all;
-}
-
-// A cluster where nothing bends is the plain mean of its cuts; this keeps a cut from counting for nothing beside
-// others.
-constexpr double kFlatWeight = 0.25;
-
-// The weight of a cut, equations (3.13) to (3.16): 1 / tan(beta / 2) in the plane where the surface bends most.
-// `normal` is the surface's in the regular lattice.
-double bend_weight(const Star& star, int edge, const Eigen::Vector3d& normal) {
-  static const std::array<EdgePlanes, kLatticeEdges> all = make_edge_planes();
-  const EdgePlanes& planes = all[static_cast<std::size_t>(edge)];
-  const double fall = star.centre - star.value[static_cast<std::size_t>(edge)];
-  double most = 0.0;
-  for (int i = 0; i < planes.count; ++i) {
-    const EdgePlane& plane = planes.planes[static_cast<std::size_t>(i)];
-    if (!has_edge(star.there, plane.b) || !has_edge(star.there, plane.c)) continue;
-    // Cotangents of the angles that the surface makes with the edge in the two triangles.
-    const auto cotangent = [&](int other, double cosine, double ratio) {
-      const double relative = (star.centre - star.value[static_cast<std::size_t>(other)]) / fall * ratio;
-      return (relative - cosine) / std::sqrt(1.0 - cosine * cosine);
-    };
-    const double b = cotangent(plane.b, plane.cos_b, plane.ratio_b);
-    const double c = cotangent(plane.c, plane.cos_c, plane.ratio_c);
-    // |cot(alpha / 2)| with alpha = theta_b + theta_c; 0 where the surface is flat.
-    const double bend = std::abs(b + c) / (std::sqrt((1.0 + b * b) * (1.0 + c * c)) - b * c + 1.0);
-    const double out_of_plane = normal.dot(plane.normal);
-    most = std::max(most, bend * std::sqrt(std::max(0.0, 1.0 - out_of_plane * out_of_plane)));
-  }
-  return kFlatWeight + most;
-}
 
 // Makes the vertices of one sample after the other.
 class VertexMaker {
  public:
   VertexMaker(const LayerStar& around, VertexPlacement placement, LayerMesh& mesh)
       : around_(around), layer_(*around.at(0)), placement_(placement), mesh_(mesh) {
-    for (int step = -1; step <= 1; ++step) {
+    const CutLayer* below = real(around.at(-1));
+    const CutLayer* above = real(around.at(1));
+    geometry_ = layer_geometry(*layer_.samples, below ? below->samples : nullptr, above ? above->samples : nullptr,
+                               Lattice::kBodyCentred);
+    for (const int step : {-1, 1}) {
       const CutLayer* layer = around.at(step);
       if (!layer) continue;
-      const CutLayer* below = step > -2 ? real(around.at(step - 1)) : nullptr;
-      const CutLayer* above = real(around.at(step + 1));
-      geometry_[static_cast<std::size_t>(step + 1)] = layer_geometry(
-          *layer->samples, below ? below->samples : nullptr, above ? above->samples : nullptr, Lattice::kBodyCentred);
+      const SampledLayer& other = *layer->samples;
+      way_[static_cast<std::size_t>(step + 1)] = {other.origin - layer_.samples->origin,
+                                                  0.5 * (other.column_step - layer_.samples->column_step),
+                                                  other.row_step - layer_.samples->row_step};
     }
+    parallel_ = geometry_.next_per_m.isZero(0.0) && geometry_.next_per_j.isZero(0.0);
+    if (parallel_) normal_of_change_ = geometry_.outward_map(0.0, 0.0);
+    at_end_ = !below || !above;
   }
 
   void add(const CutSample& sample) {
     const Star star = star_of(layer_, around_.at(-1), around_.at(1), sample.row, sample.column);
-    const double m = half_columns(layer_, sample.row, sample.column);
-    const Eigen::Vector3d place = geometry_[1].at(m, sample.row);
-    const Eigen::Vector3d change = change_at(layer_, around_.at(-1), around_.at(1), sample.row, sample.column);
+    if (sample.single) {
+      add_vertex(sample, star, sample.near);
+      return;
+    }
     for (EdgeMask rest = sample.near; rest != 0;) {
-      const EdgeMask cluster = cluster_of(rest, std::countr_zero(rest));
+      const EdgeMask cluster = first_cluster(rest);
       rest = static_cast<EdgeMask>(rest & ~cluster);
-      if ((cluster & sample.kept) == 0) {
-        for (EdgeMask one = cluster; one != 0; one = static_cast<EdgeMask>(one & (one - 1))) {
-          add_vertex(sample, star, edge_bit(std::countr_zero(one)), place, change, m);
-        }
-      } else {
-        add_vertex(sample, star, cluster, place, change, m);
+      if ((cluster & sample.kept) != 0) {
+        add_vertex(sample, star, cluster);
+        continue;
+      }
+      for (EdgeMask one = cluster; one != 0; one = static_cast<EdgeMask>(one & (one - 1))) {
+        add_vertex(sample, star, edge_bit(std::countr_zero(one)));
       }
     }
   }
 
  private:
-  void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts, const Eigen::Vector3d& place,
-                  const Eigen::Vector3d& change, double m) {
-    cuts = bound(sample, cuts);
-    const bool weigh = placement_ == VertexPlacement::kCurvature && !std::has_single_bit(cuts);
-    const Eigen::Vector3d steepest(change.x(), change.y() / std::sqrt(2.0), change.z() / std::sqrt(2.0));
-    const Eigen::Vector3d normal =
-        steepest.squaredNorm() > 0.0 ? Eigen::Vector3d(steepest.normalized()) : Eigen::Vector3d::UnitZ();
-    double weights = 0.0;
-    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-    Eigen::Vector3d change_sum = Eigen::Vector3d::Zero();
+  void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts) {
+    const Walls walls = walls_at(sample);
+    cuts = bound(walls, cuts);
+    const Vector3 own_change = as_vector(sample.change);
+    const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
+    const Eigen::Vector3d normal = weigh ? unit(steepest(own_change)) : Eigen::Vector3d::Zero();
+    CutSum sum;
+    Vector3 changes = Vector3::Zero();
+    float weights = 0.0F;
     int count = 0;
+    float heights = 0.0F;  // of change . way over all cuts
     for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-      const int e = std::countr_zero(rest);
-      const EdgeEnd end = edge_end(layer_, sample.row, sample.column, e);
-      const CutLayer& other = *around_.at(end.layer_step);
-      const double there = star.value[static_cast<std::size_t>(e)];
-      const double t = std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5);
-      const double weight = weigh ? bend_weight(star, e, normal) : 1.0;
-      const double other_m = half_columns(other, end.row, end.column);
-      const LayerGeometry& geometry = geometry_[static_cast<std::size_t>(end.layer_step + 1)];
-      shift += weight * t * (geometry.at(other_m, end.row) - place);
+      const auto e = static_cast<std::size_t>(std::countr_zero(rest));
+      const float there = star.value[e];
+      const bool cap = there == kFarOutside;
+      // Half as far on made-up edges: some of these lie in the middle of others, and three cuts in line.
+      const float t = cap ? kLeastCut / 2 : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
+      const float weight = weigh ? static_cast<float>(bend_weight(star, static_cast<int>(e), normal)) : 1.0F;
+      const EdgeEnd end = edge_end(layer_, sample.row, sample.column, static_cast<int>(e));
+      const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
+      const Vector3 change =
+          other.made_up ? own_change : Vector3((1.0F - t) * own_change + t * as_vector(other.change));
+      sum.add(e, weight * t);
       weights += weight;
+      changes += change;
       ++count;
-      change_sum += (1.0 - t) * change;
-      change_sum += t * (other.beyond ? change
-                                      : change_at(other, around_.at(end.layer_step - 1), around_.at(end.layer_step + 1),
-                                                  end.row, end.column));
+      const LatticeStep& step = kLatticeSteps[e];
+      ways_[static_cast<std::size_t>(count - 1)] = {static_cast<float>(step.m) * t, static_cast<float>(step.j) * t,
+                                                    static_cast<float>(step.k) * t};
+      heights += change.dot(ways_[static_cast<std::size_t>(count - 1)]);
     }
-    mesh_.vertices.push_back(place + shift / weights);
-    mesh_.normals.push_back(facing_out(change_sum / count, m, sample));
+    const float scale = 1.0F / weights;
+    for (CutSum::ToLayer& to : sum.to) {
+      to.t *= scale;
+      to.m *= scale;
+      to.j *= scale;
+    }
+    if (kRaise && count > 2 && !walls.any()) {
+      const float share = 1.0F / static_cast<float>(count);
+      const Vector3 mean = share * changes;
+      sum.add(raise(share * heights, mean, sum.in_lattice()));
+    }
+    mesh_.vertices.push_back(place_of(sample, sum));
+    mesh_.normals.push_back(normal_of(sample, walls, changes));
   }
 
-  // Of a cluster at the border of the lattice, only the cuts within the border count, so that the rim stays there.
-  EdgeMask bound(const CutSample& sample, EdgeMask cuts) const {
-    const bool end = !real(around_.at(-1)) || !real(around_.at(1));
-    const int rows = layer_.samples->rows;
-    const bool edge_row = sample.row == 0 || sample.row + 1 == rows;
-    if (!end && !edge_row) return cuts;
-    EdgeMask within_end = 0;
-    EdgeMask within_row = 0;
-    for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-      const int e = std::countr_zero(rest);
-      const LatticeStep& step = kLatticeSteps[static_cast<std::size_t>(e)];
-      if (step.k == 0) within_end |= edge_bit(e);
-      if (step.j == 0) within_row |= edge_bit(e);
-    }
-    EdgeMask best = cuts;
-    if (end && (best & within_end) != 0) best &= within_end;
-    if (edge_row && (best & within_row) != 0) best &= within_row;
-    return best;
+  static constexpr bool kRaise = true;
+
+  // The mean of cuts in a bent surface lies off it, by half the mean of what the planes through the cuts say.
+  static Vector3 raise(float mean_height, const Vector3& change, const Vector3& middle) {
+    const Vector3 way = steepest(change);
+    const float rise = change.dot(way);
+    if (!(rise > 0.0F)) return Vector3::Zero();
+    const Vector3 shift = 0.5F * (mean_height - change.dot(middle)) / rise * way;
+    // In noise the planes say anything.
+    const float length = std::sqrt(shift.x() * shift.x() + 2.0F * (shift.y() * shift.y() + shift.z() * shift.z()));
+    return length > kMostRaise ? Vector3(kMostRaise / length * shift) : shift;
   }
 
-  Eigen::Vector3d facing_out(const Eigen::Vector3d& change, double m, const CutSample& sample) const {
-    // In the middle of a cap the plane, not the field, says what is outside.
-    for (const int step : {-1, 1}) {
-      const CutLayer* beyond = around_.at(step);
-      if (!beyond || !beyond->beyond || !capped_only(sample, step)) continue;
-      return geometry_[1].outward(Eigen::Vector3d(0.0, 0.0, -step), m, sample.row);
-    }
-    return geometry_[1].outward(change, m, sample.row);
+  // Half columns. On smooth surfaces of a radius of two layers and more it is less.
+  static constexpr float kMostRaise = 0.25F;
+
+  static Eigen::Vector3d unit(const Vector3& steep) {
+    const Eigen::Vector3d way(steep.x(), std::sqrt(2.0) * steep.y(), std::sqrt(2.0) * steep.z());
+    return way.squaredNorm() > 0.0 ? Eigen::Vector3d(way.normalized()) : Eigen::Vector3d::UnitZ();
   }
 
-  static bool capped_only(const CutSample& sample, int step) {
-    for (EdgeMask rest = sample.cut; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-      if (kLatticeSteps[static_cast<std::size_t>(std::countr_zero(rest))].k != step) return false;
+  Eigen::Vector3d place_of(const CutSample& sample, const CutSum& sum) const {
+    const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
+    const double j = sample.row;
+    Eigen::Vector3d place = geometry_.at(m + double{sum.to[0].m + sum.to[1].m + sum.to[2].m},
+                                         j + double{sum.to[0].j + sum.to[1].j + sum.to[2].j});
+    for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
+      const CutSum::ToLayer& to = sum.to[i];
+      const Way& way = way_[i];
+      const double t = to.t;
+      place += t * way.origin;
+      if (!parallel_) place += (t * m + double{to.m}) * way.per_m + (t * j + double{to.j}) * way.per_j;
     }
-    return true;
+    return place;
   }
+
+  // The walls that close or end the lattice at a sample: -1 or 1 along columns, rows and layers, 0 for none.
+  struct Walls {
+    int m = 0;
+    int j = 0;
+    int k = 0;
+    bool any() const { return (m | j | k) != 0; }
+  };
+
+  Walls walls_at(const CutSample& sample) const {
+    Walls walls;
+    if (at_end_) walls.k = !real(around_.at(-1)) ? -1 : 1;
+    const int ring = layer_.made_up_sides ? 1 : 0;
+    if (sample.row <= ring) {
+      walls.j = -1;
+    } else if (sample.row + 1 + ring >= layer_.samples->rows) {
+      walls.j = 1;
+    }
+    if (layer_.made_up_sides) {
+      const bool shifted = layer_.shifted(sample.row);
+      if (sample.column == 0 || (sample.column == 1 && !shifted)) walls.m = -1;
+      const int from_last = layer_.samples->columns - 1 - sample.column;
+      if (from_last == 0 || (from_last == 1 && shifted)) walls.m = 1;
+    }
+    return walls;
+  }
+
+  // Of a cluster at a wall, only the cuts within the wall count, so that the rim stays there; or else those through it.
+  static EdgeMask bound(const Walls& walls, EdgeMask cuts) {
+    if (!walls.any()) return cuts;
+    const auto along = [&cuts](int wall, auto part) {
+      if (wall == 0) return;
+      EdgeMask within = 0;
+      EdgeMask through = 0;
+      for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
+        const int e = std::countr_zero(rest);
+        const int step = part(kLatticeSteps[static_cast<std::size_t>(e)]);
+        if (step == 0) within |= edge_bit(e);
+        if (step * wall > 0) through |= edge_bit(e);
+      }
+      if (within != 0) {
+        cuts = within;
+      } else if (through != 0) {
+        cuts = through;
+      }
+    };
+    along(walls.k, [](const LatticeStep& step) { return step.k; });
+    along(walls.j, [](const LatticeStep& step) { return step.j; });
+    along(walls.m, [](const LatticeStep& step) { return step.m; });
+    return cuts;
+  }
+
+  Eigen::Vector3d normal_of(const CutSample& sample, const Walls& walls, const Vector3& changes) const {
+    const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
+    Eigen::Vector3d change(changes.x(), changes.y(), changes.z());
+    if (walls.any()) {
+      // In the middle of a cap the wall, not the field, says what is outside.
+      bool all_k = true, all_j = true, all_m = true;
+      for (EdgeMask rest = sample.cut; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
+        const LatticeStep& step = kLatticeSteps[static_cast<std::size_t>(std::countr_zero(rest))];
+        all_k &= step.k * walls.k > 0;
+        all_j &= step.j * walls.j > 0;
+        all_m &= step.m * walls.m > 0;
+      }
+      if (sample.made_up) all_m = true;
+      if (all_k) {
+        change = {0.0, 0.0, -1.0 * walls.k};
+      } else if (all_j) {
+        change = {0.0, -1.0 * walls.j, 0.0};
+      } else if (all_m) {
+        change = {-1.0 * walls.m, 0.0, 0.0};
+      }
+    }
+    if (parallel_) {
+      const Eigen::Vector3d fall = normal_of_change_ * change;
+      const double length = fall.norm();
+      if (length > 1e-300) return (1.0 / length) * fall;
+    }
+    return geometry_.outward(change, m, sample.row);
+  }
+
+  // From the same place in the lattice of this layer to that of a neighbouring one.
+  struct Way {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+    Eigen::Vector3d per_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d per_j = Eigen::Vector3d::Zero();
+  };
 
   const LayerStar& around_;
   const CutLayer& layer_;
   VertexPlacement placement_;
   LayerMesh& mesh_;
-  std::array<LayerGeometry, 3> geometry_;
-};
-
-// Even permutations of a tetrahedron's corners that bring one corner, or two, to the front.
-constexpr std::array<std::array<int, 4>, 4> kOneFirst = {{{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}}};
-constexpr std::array<int, 4> pair_first(unsigned inside) {
-  switch (inside) {
-    case 0b0011:
-      return {0, 1, 2, 3};
-    case 0b0101:
-      return {0, 2, 3, 1};
-    case 0b1001:
-      return {0, 3, 1, 2};
-    case 0b0110:
-      return {1, 2, 0, 3};
-    case 0b1010:
-      return {1, 3, 2, 0};
-    default:
-      return {2, 3, 0, 1};
-  }
-}
-
-// The triangles of the six tetrahedra that one sample owns.
-class TriangleMaker {
- public:
-  TriangleMaker(const CutLayer& layer, const CutLayer& above, LayerMesh& mesh)
-      : layer_(layer), above_(above), mesh_(mesh) {}
-
-  // `star` reaches all forward edges of the sample.
-  void add(int row, int column, const Star& star) {
-    row_ = row;
-    column_ = column;
-    star_ = &star;
-    for (const auto& own : kOwnTetrahedra) {
-      if (!has_edge(star.there, own[0]) || !has_edge(star.there, own[1]) || !has_edge(star.there, own[2])) continue;
-      add_tetrahedron({kCentre, own[0], own[1], own[2]});
-    }
-  }
-
- private:
-  static constexpr int kCentre = -1;
-
-  float value(int corner) const {
-    return corner == kCentre ? star_->centre : star_->value[static_cast<std::size_t>(corner)];
-  }
-
-  void add_tetrahedron(const std::array<int, 4>& corners) {
-    unsigned inside = 0;
-    for (std::size_t i = 0; i < 4; ++i) inside |= (value(corners[i]) >= 0.0F ? 1U : 0U) << i;
-    const int count = std::popcount(inside);
-    if (count == 0 || count == 4) return;
-    if (count == 2) {
-      const std::array<int, 4> order = pair_first(inside);
-      const auto corner = [&](std::size_t i) { return corners[static_cast<std::size_t>(order[i])]; };
-      const std::int32_t ac = vertex(corner(0), corner(2));
-      const std::int32_t ad = vertex(corner(0), corner(3));
-      const std::int32_t bd = vertex(corner(1), corner(3));
-      const std::int32_t bc = vertex(corner(1), corner(2));
-      add_triangle(ac, ad, bd);
-      add_triangle(ac, bd, bc);
-      return;
-    }
-    const unsigned lone = count == 1 ? inside : ~inside & 0xFU;
-    const std::array<int, 4>& order = kOneFirst[static_cast<std::size_t>(std::countr_zero(lone))];
-    const auto corner = [&](std::size_t i) { return corners[static_cast<std::size_t>(order[i])]; };
-    const std::int32_t b = vertex(corner(0), corner(1));
-    const std::int32_t c = vertex(corner(0), corner(2));
-    const std::int32_t d = vertex(corner(0), corner(3));
-    if (count == 1) {
-      add_triangle(b, c, d);
-    } else {
-      add_triangle(b, d, c);
-    }
-  }
-
-  // The vertex on the edge between two corners, counted through this layer and the next.
-  std::int32_t vertex(int a, int b) const {
-    if (b < a) std::swap(a, b);  // in the order of the lattice: the centre, then forward edges
-    const bool at_a = nearer_to_first(value(a), value(b), true);
-    const int near = at_a ? a : b;
-    const int far = at_a ? b : a;
-    const LatticeStep from = step_to(near);
-    const int edge = edge_along(step_to(far) - from);
-    EdgeEnd place{row_, column_, 0};
-    if (near != kCentre) place = edge_end(layer_, row_, column_, near);
-    const CutLayer& layer = place.layer_step == 0 ? layer_ : above_;
-    const std::int32_t vertex = vertex_of(layer.cut(place.row, place.column), edge);
-    return place.layer_step == 0 ? vertex : layer_.vertices + vertex;
-  }
-
-  static LatticeStep step_to(int corner) {
-    return corner == kCentre ? LatticeStep{} : kLatticeSteps[static_cast<std::size_t>(corner)];
-  }
-
-  void add_triangle(std::int32_t a, std::int32_t b, std::int32_t c) {
-    if (a != b && b != c && c != a) mesh_.triangles.push_back({a, b, c});
-  }
-
-  const CutLayer& layer_;
-  const CutLayer& above_;
-  LayerMesh& mesh_;
-  int row_ = 0;
-  int column_ = 0;
-  const Star* star_ = nullptr;
+  LayerGeometry geometry_;
+  std::array<Way, 3> way_;
+  bool parallel_ = false;  // all three layers have the same steps
+  bool at_end_ = false;
+  Eigen::Matrix3d normal_of_change_;
+  std::array<Vector3, kLatticeEdges> ways_;
 };
 
 }  // namespace
@@ -334,13 +272,6 @@ void add_vertices(const LayerStar& around, VertexPlacement placement, LayerMesh&
   VertexMaker maker(around, placement, mesh);
   for (const CutSample& sample : around.at(0)->cuts) {
     if (sample.near != 0) maker.add(sample);
-  }
-}
-
-void add_triangles(const CutLayer& layer, const CutLayer& above, LayerMesh& mesh) {
-  TriangleMaker maker(layer, above, mesh);
-  for (const CutSample& sample : layer.cuts) {
-    maker.add(sample.row, sample.column, star_of(layer, nullptr, &above, sample.row, sample.column));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/random.h"
 #include "surface/shaded_picture.h"
+#include "surface/vertex_normals.h"
 
 namespace fathom {
 
@@ -20,7 +21,7 @@ constexpr double kScale_px = 120.0;  // of the sphere's radius
 constexpr double kBox = 1.3;         // half of the lattice's side
 constexpr std::uint64_t kSeed = 34;
 
-Mesh sphere(const MesherOptions& mesher, double spacing) {
+Mesh sphere(const MesherOptions& mesher, double spacing, ShadingNormals normals) {
   const bool cubic = mesher.lattice() == Lattice::kCubic;
   const double column_step = cubic ? spacing : std::numbers::sqrt2 * spacing;
   const int rows = static_cast<int>(std::ceil(2.0 * kBox / spacing)) + 1;
@@ -45,14 +46,18 @@ Mesh sphere(const MesherOptions& mesher, double spacing) {
   std::vector<const SampledLayer*> stack;
   for (const SampledLayer& layer : layers) stack.push_back(&layer);
   Mesh mesh = join(mesh_layers(stack, 0, static_cast<int>(stack.size()), mesher));
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) mesh.normals[i] = mesh.vertices[i].normalized();
+  if (normals == ShadingNormals::kTriangles) {
+    mesh.normals = vertex_normals(mesh);
+  } else {
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) mesh.normals[i] = mesh.vertices[i].normalized();
+  }
   return mesh;
 }
 
 }  // namespace
 
-RenderingVariation rendering_variation(const MesherOptions& mesher, double spacing, int views) {
-  const Mesh mesh = sphere(mesher, spacing);
+RenderingVariation rendering_variation(const MesherOptions& mesher, double spacing, ShadingNormals normals, int views) {
+  const Mesh mesh = sphere(mesher, spacing, normals);
   const ColoredMesh painted{&mesh, cv::Scalar::all(255.0)};
   Random random(kSeed);
   cv::Mat sum = cv::Mat::zeros(kPicture_px, kPicture_px, CV_64F);

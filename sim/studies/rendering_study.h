@@ -16,8 +16,14 @@ struct RenderingVariation {
   double border_percent = 0.0;  ///< pixels that the sphere covers in some views only, of all
 };
 
-/// The sphere x^2 + y^2 + z^2 - 1 on a lattice of this spacing, with normals along its gradient, seen from `views`
-/// directions all around.
-RenderingVariation rendering_variation(const MesherOptions& mesher, double spacing, int views = 20);
+/// Where the normals come from that the light is computed with.
+enum class ShadingNormals {
+  kField,     ///< the gradient of the function at the vertices
+  kTriangles  ///< the mean of the triangles around a vertex, as viewers do that read a mesh without normals
+};
+
+/// The sphere x^2 + y^2 + z^2 - 1 on a lattice of this spacing, seen from `views` directions all around.
+RenderingVariation rendering_variation(const MesherOptions& mesher, double spacing, ShadingNormals normals,
+                                       int views = 20);
 
 }  // namespace fathom

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "acquisition/input_file.h"
 #include "core/error.h"
+#include "core/input_file.h"
 #include "tests/acquisition/sample_recording.h"
 
 namespace fathom {

@@ -1,4 +1,4 @@
-#include "acquisition/input_file.h"
+#include "core/input_file.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "acquisition/header_text.h"
 #include "core/error.h"
+#include "core/printable.h"
 
 namespace fathom {
 
@@ -29,8 +29,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path), name_(pri
   if (!known || !S_ISREG(status.st_mode)) {
     ::close(descriptor_);
     descriptor_ = -1;
-    fail(known && S_ISDIR(status.st_mode) ? "is a folder; name the recording's file inside it"
-                                          : "is not a regular file; name a recording's file");
+    fail(known && S_ISDIR(status.st_mode) ? "is a folder; name a file inside it" : "is not a regular file; name one");
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
 }

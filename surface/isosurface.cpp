@@ -1,0 +1,256 @@
+#include "surface/isosurface.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core/utility.hpp>
+
+#include "core/error.h"
+#include "core/numbers.h"
+#include "surface/field_rows.h"
+#include "surface/lattice_border.h"
+#include "surface/lattice_layout.h"
+#include "surface/vertex_normals.h"
+
+namespace fathom {
+
+namespace {
+
+// What a surface may grow to, some gigabytes; only noise has one so large in a box that was let pass.
+constexpr std::size_t kMostVertices = 50'000'000;
+
+// Layers at a time, unless asked otherwise: few enough for samples and meshes to stay in the cache, which is worth more
+// than what is worked out twice where batches meet.
+constexpr int kFewestLayers = 8;
+constexpr int kMostLayers = 16;
+constexpr int kSamplesAtATime = 1 << 22;
+
+// Makes values small enough for differences; returns whether one is not finite.
+bool clean(std::span<float> values) {
+  constexpr float kLargest = 1e30F;
+  constexpr std::uint32_t kExponent = 0x7F800000;
+  std::uint32_t faults = 0;
+  for (float& value : values) {
+    faults |= (std::bit_cast<std::uint32_t>(value) & kExponent) == kExponent ? 1U : 0U;
+    value = value > kLargest ? kLargest : value;
+    value = value < -kLargest ? -kLargest : value;
+  }
+  return faults != 0;
+}
+
+// The layers of a lattice around those that are being meshed, each sampled once.
+class LayerWindow {
+ public:
+  LayerWindow(const FieldRows& field, const LatticeLayout& layout, const Eigen::Affine3d& reference_from_lattice,
+              const IsosurfaceOptions& options)
+      : field_(field),
+        layout_(layout),
+        reference_from_lattice_(reference_from_lattice),
+        centred_(options.mesher.lattice() == Lattice::kBodyCentred),
+        border_(options.cap ? 1 : 0) {}
+
+  /// Layers from `first` to `last - 1`, ready for the meshers. Both may only grow.
+  std::vector<const SampledLayer*> layers(int first, int last) {
+    const bool flatten = border_ != 0 && centred_;
+    sample_to(std::min(last + (flatten ? 2 : 0), layout_.layers));
+    if (flatten) {
+      for (; flat_found_ < std::min(last + 1, layout_.layers); ++flat_found_) {
+        find_flat_sides(*at(flat_found_), at(flat_found_ - 1), at(flat_found_ + 1));
+      }
+      for (; flattened_ < last; ++flattened_) {
+        flatten_sides(*at(flattened_), at(flattened_ - 1), at(flattened_ + 1));
+      }
+    }
+    // Before a layer is flattened the one below it is still looked at; `first` stays far behind.
+    for (; low_ < first; ++low_) {
+      spare_.push_back(std::move(window_.front()));
+      window_.pop_front();
+    }
+    std::vector<const SampledLayer*> result;
+    for (int k = first; k < last; ++k) result.push_back(&at(k)->samples);
+    return result;
+  }
+
+ private:
+  BorderedLayer* at(int k) {
+    const int index = k - low_;
+    if (index < 0 || index >= static_cast<int>(window_.size())) return nullptr;
+    return &window_[static_cast<std::size_t>(index)];
+  }
+
+  void sample_to(int last) {
+    const int first = low_ + static_cast<int>(window_.size());
+    for (int k = first; k < last; ++k) add_layer(k);
+    if (first >= last) return;
+    const int rows = layout_.rows;
+    std::vector<std::uint8_t> faults(static_cast<std::size_t>(rows) * static_cast<std::size_t>(last - first), 0);
+    cv::parallel_for_(cv::Range(0, static_cast<int>(faults.size())), [&](const cv::Range& range) {
+      for (int r = range.start; r < range.end; ++r) {
+        const LatticeRow row = lattice_row(first + r / rows, r % rows);
+        const std::span<float> values = row_values(row);
+        field_.sample(row, values);
+        faults[static_cast<std::size_t>(r)] = clean(values) ? 1 : 0;
+      }
+    });
+    const auto fault = std::find(faults.begin(), faults.end(), 1);
+    if (fault == faults.end()) return;
+    const int r = static_cast<int>(fault - faults.begin());
+    const LatticeRow row = lattice_row(first + r / rows, r % rows);
+    std::vector<float> values(static_cast<std::size_t>(layout_.columns));
+    field_.sample(row, values);
+    const auto column = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
+    throw Error(field_.fault_at(row, static_cast<int>(column - values.begin())));
+  }
+
+  void add_layer(int k) {
+    if (spare_.empty()) spare_.emplace_back();
+    window_.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+    BorderedLayer& layer = window_.back();
+    layer.parity = k & 1;
+    SampledLayer& samples = layer.samples;
+    samples.columns = layout_.columns + 2 * border_;
+    samples.rows = layout_.rows + 2 * border_;
+    samples.values.resize(static_cast<std::size_t>(samples.columns) * static_cast<std::size_t>(samples.rows));
+    samples.origin = reference_from_lattice_ * Eigen::Vector3d(-border_, -border_, k);
+    samples.column_step = reference_from_lattice_.linear().col(0);
+    samples.row_step = reference_from_lattice_.linear().col(1);
+    if (border_ != 0) add_border(layer);
+  }
+
+  LatticeRow lattice_row(int layer, int row) const {
+    return {row, layer, centred_ && ((row + border_ + layer) & 1) != 0};
+  }
+
+  std::span<float> row_values(const LatticeRow& row) {
+    SampledLayer& samples = at(row.layer)->samples;
+    const auto begin = static_cast<std::size_t>(row.row + border_) * static_cast<std::size_t>(samples.columns) +
+                       static_cast<std::size_t>(border_);
+    return std::span(samples.values).subspan(begin, static_cast<std::size_t>(layout_.columns));
+  }
+
+  const FieldRows& field_;
+  const LatticeLayout& layout_;
+  const Eigen::Affine3d& reference_from_lattice_;
+  bool centred_;
+  int border_;
+  int low_ = 0;  // number of the window's first layer
+  int flat_found_ = 0;
+  int flattened_ = 0;
+  std::deque<BorderedLayer> window_;
+  std::vector<BorderedLayer> spare_;  // kept for their memory
+};
+
+int batch_size(const LatticeLayout& layout, const IsosurfaceOptions& options) {
+  if (options.batch_layers > 0) return options.batch_layers;
+  const double layers = kSamplesAtATime / (static_cast<double>(layout.columns) * layout.rows);
+  return static_cast<int>(std::clamp<double>(layers, kFewestLayers, kMostLayers));
+}
+
+Error no_crossing(const FieldRows& field, double value) {
+  const auto [low, high] = field.value_range();
+  if (low < value && value < high) {
+    return Error("no sample is beyond the value " + format_real(value) + ", although the values lie between " +
+                 format_real(low) + " and " + format_real(high) + "; use a smaller spacing");
+  }
+  return Error("no value crosses " + format_real(value) + ": the values lie between " + format_real(low) + " and " +
+               format_real(high) + "; choose a value between these");
+}
+
+Mesh mesh_field(const FieldRows& field, const LatticeLayout& layout, const Eigen::Affine3d& reference_from_lattice,
+                const IsosurfaceOptions& options, const Progress& progress) {
+  MesherOptions mesher = options.mesher;
+  mesher.cap_ends = options.cap;
+  LayerWindow window(field, layout, reference_from_lattice, options);
+  std::vector<LayerMesh> meshes;
+  std::size_t vertices = 0;
+  const int batch = batch_size(layout, options);
+  for (int first = 0; first < layout.layers; first += batch) {
+    report(progress, static_cast<double>(first) / layout.layers);
+    const int last = first + std::min(batch, layout.layers - first);
+    // The mesher takes the first layer it sees for one of parity 0.
+    const int begin = std::max(0, first - kLayerReach) / 2 * 2;
+    const std::vector<const SampledLayer*> stack = window.layers(begin, std::min(last + kLayerReach, layout.layers));
+    for (LayerMesh& mesh : mesh_layers(stack, first - begin, last - begin, mesher)) {
+      vertices += mesh.vertices.size();
+      meshes.push_back(std::move(mesh));
+    }
+    if (vertices > kMostVertices) {
+      throw Error("the surface has more than " + std::to_string(kMostVertices) +
+                  " vertices; use a larger spacing or a smoother field");
+    }
+  }
+  Mesh mesh = join(meshes);
+  if (mesh.triangles.empty()) throw no_crossing(field, options.value);
+  if (reference_from_lattice.linear().determinant() < 0.0) {
+    for (Mesh::Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  report(progress, 1.0);
+  return mesh;
+}
+
+}  // namespace
+
+void IsosurfaceOptions::check() const {
+  if (!std::isfinite(value)) throw Error("the value on a surface must be a finite number; give another");
+  if (spacing_mm && (!std::isfinite(*spacing_mm) || *spacing_mm <= 0.0)) {
+    throw Error("the spacing must be a finite number above 0 mm; give another");
+  }
+  assert(batch_layers >= 0);
+}
+
+Mesh isosurface(const Volume& volume, const IsosurfaceOptions& options, const Progress& progress) {
+  options.check();
+  const Eigen::Vector3d voxel_mm = voxel_spacing_mm(volume);
+  const cv::Mat& voxels = volume.voxels;
+  const Eigen::Vector3d steps(voxels.size[2] - 1, voxels.size[1] - 1, voxels.size[0] - 1);
+  const double spacing_mm = options.spacing_mm.value_or(voxel_mm.minCoeff());
+  const LatticeLayout layout = lattice_layout(steps.cwiseProduct(voxel_mm), spacing_mm, options.mesher.lattice());
+  const Eigen::Vector3d voxel_steps = layout.step_mm.cwiseQuotient(voxel_mm);
+  return mesh_field(*volume_rows(volume, layout, options), layout,
+                    volume.reference_from_voxel * Eigen::Scaling(voxel_steps), options, progress);
+}
+
+Mesh isosurface(const RowField& field, const Eigen::AlignedBox3d& box_mm, const IsosurfaceOptions& options,
+                const Progress& progress) {
+  options.check();
+  if (!options.spacing_mm) throw Error("the surface of a function needs a spacing; give one");
+  const Eigen::Vector3d extent_mm = box_mm.max() - box_mm.min();
+  if (!extent_mm.allFinite() || !(extent_mm.minCoeff() > 0.0)) {
+    throw Error("the box is empty or not finite; give lower bounds that are below the upper ones");
+  }
+  const LatticeLayout layout = lattice_layout(extent_mm, *options.spacing_mm, options.mesher.lattice());
+  return mesh_field(*function_rows(field, box_mm.min(), layout, options), layout,
+                    Eigen::Translation3d(box_mm.min()) * Eigen::Affine3d(Eigen::Scaling(layout.step_mm)), options,
+                    progress);
+}
+
+Mesh isosurface(const PointField& field, const Eigen::AlignedBox3d& box_mm, const IsosurfaceOptions& options,
+                const Progress& progress) {
+  const RowField rows = [&](const Eigen::Vector3d& start_mm, const Eigen::Vector3d& step_mm, std::span<double> values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = field(start_mm + static_cast<double>(i) * step_mm);
+    }
+  };
+  return isosurface(rows, box_mm, options, progress);
+}
+
+void set_normals(Mesh& mesh, const std::function<Eigen::Vector3d(const Eigen::Vector3d& place_mm)>& outward) {
+  if (mesh.normals.size() != mesh.vertices.size()) mesh.normals = vertex_normals(mesh);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(mesh.vertices.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
+      const Eigen::Vector3d normal = outward(mesh.vertices[i]);
+      const double length = normal.stableNorm();
+      if (length > 0.0 && std::isfinite(length)) mesh.normals[i] = normal / length;
+    }
+  });
+}
+
+}  // namespace fathom

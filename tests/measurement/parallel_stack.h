@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "measurement/section_gap.h"
+
+// Objects cut by parallel planes and put together again from their sections, voxel by voxel.
+namespace fathom::stacks {
+
+/// The outlines of an object at height z; none where it is not.
+using Outlines = std::function<std::vector<Polygon>(double z)>;
+
+inline Polygon ellipse(double a, double b, double radius_a, double radius_b, int points = 160) {
+  Polygon polygon;
+  for (int i = 0; i < points; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / points;
+    polygon.emplace_back(a + radius_a * std::cos(angle), b + radius_b * std::sin(angle));
+  }
+  return polygon;
+}
+
+/// Where the line at height b crosses outlines, ascending: inside is between the first and second, third and fourth,
+/// ...
+inline std::vector<double> crossings(const std::vector<Polygon>& outlines, double b) {
+  std::vector<double> found;
+  for (const Polygon& outline : outlines) {
+    for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+      const Eigen::Vector2d& p = outline[i];
+      const Eigen::Vector2d& q = outline[j];
+      if ((p.y() > b) != (q.y() > b)) found.push_back((q.x() - p.x()) * (b - p.y()) / (q.y() - p.y()) + p.x());
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+struct Stack {
+  std::vector<double> places;  ///< ascending heights of the sections
+  double cell_mm = 1.0;
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();  ///< of the region that is compared
+  Eigen::Vector2d high = Eigen::Vector2d::Zero();
+  double step_mm = 1.0;  ///< voxels, along all axes
+};
+
+struct Likeness {
+  double dice = 0.0;
+  double volume_error = 0.0;  ///< relative to the true volume between the outer sections, by the same voxels
+};
+
+inline std::shared_ptr<const SectionShape> shape_of(const std::vector<Polygon>& outlines, double cell_mm) {
+  if (outlines.empty()) return std::make_shared<SectionShape>();
+  return std::make_shared<SectionShape>(outlines, section_raster(outlines, cell_mm));
+}
+
+inline SectionPlane plane_at(double z) {
+  return {Eigen::Vector3d(0.0, 0.0, z), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+}
+
+inline Likeness reconstruct(const Outlines& object, const Stack& stack, Guide guide) {
+  double both = 0.0, truth = 0.0, found = 0.0;
+  for (std::size_t s = 0; s + 1 < stack.places.size(); ++s) {
+    const double z0 = stack.places[s];
+    const double z1 = stack.places[s + 1];
+    const SectionGap gap({plane_at(z0), shape_of(object(z0), stack.cell_mm)},
+                         {plane_at(z1), shape_of(object(z1), stack.cell_mm)}, guide);
+    ColumnGrid grid;
+    grid.start_mm = stack.low;
+    grid.column_step_mm = {stack.step_mm, 0.0};
+    grid.row_step_mm = {0.0, stack.step_mm};
+    grid.columns = static_cast<int>((stack.high.x() - stack.low.x()) / stack.step_mm);
+    grid.rows = static_cast<int>((stack.high.y() - stack.low.y()) / stack.step_mm);
+    grid.lattice = Lattice::kCubic;
+    const GapColumns columns = gap.prepare(grid);
+    std::vector<float> made(grid.size());
+    const int layers = std::max(1, static_cast<int>(std::lround((z1 - z0) / stack.step_mm)));
+    for (int k = 0; k < layers; ++k) {
+      const double u = (k + 0.5) / layers;
+      const std::vector<Polygon> outlines = object(z0 + u * (z1 - z0));
+      gap.sample(columns, u, made);
+      const double weight = (z1 - z0) / layers;
+      for (int j = 0; j < grid.rows; ++j) {
+        const std::vector<double> edges = crossings(outlines, grid.row_start_mm(j).y());
+        for (int i = 0; i < grid.columns; ++i) {
+          const double at = stack.low.x() + i * stack.step_mm;
+          const bool is = (std::lower_bound(edges.begin(), edges.end(), at) - edges.begin()) % 2 != 0;
+          const bool in = made[static_cast<std::size_t>(j * grid.columns + i)] >= 0.0F;
+          truth += is ? weight : 0.0;
+          found += in ? weight : 0.0;
+          both += is && in ? weight : 0.0;
+        }
+      }
+    }
+  }
+  return {2.0 * both / (truth + found), found / truth - 1.0};
+}
+
+}  // namespace fathom::stacks
