@@ -6,6 +6,7 @@ import shutil
 import damaged_documents
 import damaged_meshes
 import damaged_recordings
+import damaged_volumes
 from program import complaint_about_error, ordinary_user, run_script, tree
 from recording_file import MetaImage, Nrrd
 
@@ -89,6 +90,15 @@ class Suite:
         for name, files, commands in damaged_recordings.recordings(self.mha, self.nrrd):
             self.must_refuse(name, files, lambda path: {c: self.arguments(c, recording=path) for c in commands})
 
+    def volumes(self):
+        for good, name in ((damaged_volumes.GOOD_MHA, "volume.mha"), (damaged_volumes.GOOD_NRRD, "volume.nrrd")):
+            (self.good / name).write_bytes(good.bytes())
+            self.must_accept(name, self.arguments("convert", self.good / name))
+            self.must_refuse(f"{name} as a picture", {name: good.bytes()},
+                             lambda path: {"convert": ["convert", path, "out.png", "--json"]})
+        for name, files in damaged_volumes.volumes():
+            self.must_refuse(name, files, lambda path: {"convert": self.arguments("convert", recording=path)})
+
     def calibrations(self):
         def runs(path):
             return {"measure": self.arguments("measure", calibration=path)}
@@ -162,6 +172,7 @@ class Suite:
 def body(program, folder, tally, _root):
     suite = Suite(program, folder, tally)
     suite.recordings()
+    suite.volumes()
     suite.calibrations()
     suite.contours()
     suite.without_permission()
