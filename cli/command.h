@@ -14,5 +14,6 @@ void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_surface(CLI::App& app);
 
 }  // namespace fathom

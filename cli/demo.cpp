@@ -8,8 +8,11 @@
 #include "core/text_file.h"
 #include "exam/report_picture.h"
 #include "exam/results.h"
+#include "exam/surface_picture.h"
+#include "measurement/contour_surface.h"
 #include "segmentation/threshold_recording.h"
 #include "sim/simulate.h"
+#include "surface/mesh_file.h"
 
 namespace fathom {
 
@@ -59,7 +62,8 @@ void run(const DemoOptions& options) {
   write_text_file(folder / "contours.json", contours_json({outlined}));
 
   const FrameLocator locator(*recording, calibration);
-  const std::vector<StructureResult> results = measure_structures({outlined}, *recording, locator);
+  const std::vector<StructureResult> results =
+      measure_structures({outlined}, *recording, locator, {}, progress_bar("measuring"));
   const nlohmann::ordered_json json = results_json(results);
   write_text_file(folder / "results.json", json.dump(1, ' ') + "\n");
 
@@ -76,6 +80,14 @@ void run(const DemoOptions& options) {
   write_png(report_picture(*recording, locator, {outlined}, middle_outlined_frame(outlined), {sections, verdict}),
             folder / "report.png");
 
+  ContourSurface surface(locator, {});
+  surface.update(outlined, progress_bar("making the surface"));
+  write_mesh(surface.mesh(), folder / "surface.ply");
+  const std::string through = results.front().name + ": surface through the outlines, " +
+                              std::to_string(surface.mesh().triangles.size()) + " triangles, " +
+                              number_text(surface.volume_ml(), 2) + " ml";
+  write_png(surface_picture({surface.mesh()}, locator, {outlined}, {through}), folder / "surface.png");
+
   staged.commit();
 
   if (options.json) {
@@ -85,7 +97,7 @@ void run(const DemoOptions& options) {
   print_results(results);
   std::cout << "\n" << verdict << "\n";
   std::cout << "written to " << options.out << ": recording.mha, calibration.json, truth.json, contours.json, "
-            << "results.json, report.png\n";
+            << "results.json, report.png, surface.ply, surface.png\n";
 }
 
 }  // namespace

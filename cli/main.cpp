@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   fathom::add_simulate(app);
   fathom::add_segment(app);
   fathom::add_measure(app);
+  fathom::add_surface(app);
   fathom::add_isosurface(app);
   fathom::add_eqnsurf(app);
   fathom::add_demo(app);

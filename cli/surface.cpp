@@ -88,8 +88,10 @@ MeshReport make_surface(const SurfaceCommand& command, const Structure& structur
     report.warnings.push_back("the sweep has no volume; `fathom measure` says why");
   }
   if (!mesh.sweep_signs.empty() && !keeps_sweep_signs(file.target())) {
-    report.warnings.push_back("regions that the sweep passed backward are marked in .ply files only; a program that "
-                              "reads " + file.target().filename().string() + " would measure too much");
+    report.warnings.push_back(
+        "regions that the sweep passed backward are marked in .ply files only; a program that "
+        "reads " +
+        file.target().filename().string() + " would measure too much");
   }
   return report;
 }
@@ -113,8 +115,8 @@ void run(const SurfaceCommand& command) {
     const double done = step * static_cast<double>(i);
     files.push_back(std::make_unique<AtomicFile>(paths[i]));
     to_commit.push_back(files.back().get());
-    reports.push_back(make_surface(command, structures[i], locator, *files.back(),
-                                   part_of(progress, done, done + step)));
+    reports.push_back(
+        make_surface(command, structures[i], locator, *files.back(), part_of(progress, done, done + step)));
   }
   AtomicFile::commit_all(to_commit);
   report(progress, 1.0);
@@ -144,9 +146,10 @@ void add_surface(CLI::App& app) {
   command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
   command->add_option("--contours", options->contours, "The contours file")->required();
   command
-      ->add_option("--out", options->out,
-                   "The mesh to write: .ply, .stl, .obj, .off or .wrl; of several structures, with their names before the "
-                   "extension")
+      ->add_option(
+          "--out", options->out,
+          "The mesh to write: .ply, .stl, .obj, .off or .wrl; of several structures, with their names before the "
+          "extension")
       ->required();
   command->add_option("--structure", options->structure, "Only this structure");
   command

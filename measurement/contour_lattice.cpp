@@ -106,7 +106,7 @@ std::vector<std::shared_ptr<const SampledLayer>> gap_layers(const ContourLattice
   for (int k = 1; k < count; ++k) {
     const ColumnGrid grid = grid_of(lattice, k % 2);
     auto& prepared = columns[static_cast<std::size_t>(grid.parity)];
-    if (!prepared) prepared = gap.prepare(grid);
+    if (!prepared) prepared = gap.prepare(grid, 1.0 / count);
     const double u = static_cast<double>(k) / count;
     auto layer = std::make_shared<SampledLayer>(empty_layer(lattice, first.plane, second.plane, u));
     gap.sample(*prepared, u, layer->values);

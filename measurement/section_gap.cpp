@@ -71,7 +71,7 @@ float SectionGap::distance_mm(const PlacedSection& section, const Eigen::Vector2
 // on which it points away from the point, the vector makes the line meet that
 // plane at the vector's own share, and the other plane nearer by ahead / (ahead
 // + |rise|). Figure 3.15.
-SectionGap::Line SectionGap::line(float ahead_mm, float rise_mm, float u) const {
+SectionGap::Line SectionGap::line(float ahead_mm, float rise_mm, float u) {
   const float apart = std::abs(ahead_mm) + kTouching;
   const float nearer = apart / (apart + std::abs(rise_mm));
   Line result{u, 1.0F - u, u};
@@ -146,7 +146,27 @@ int SectionGap::sweep_sign(const Eigen::Vector2d& ab_mm) const {
   return (ahead > 0.0) - (ahead < 0.0);
 }
 
-GapColumns SectionGap::prepare(const ColumnGrid& grid) const {
+// What is interpolated along a correspondence vector c differs from what is interpolated straight across,
+// d = (1 - u) d1 + u d2, in two ways. The distances are read elsewhere, by which the result changes by no more than
+// 2 u (1 - u) |c|. And where the planes are not parallel the weight is not u but w(u) = u / (u + (1 - u) n), or the
+// same from the other end, with n <= 1 of `line`; w - u is at most (1 - sqrt(n)) / (1 + sqrt(n)). To both comes how
+// much d itself changes to the second neighbour. Beyond all that neither the sign of the sample nor that of a neighbour
+// can be another one.
+float SectionGap::certain_mm(const ColumnGrid& grid, double layer_step, const Eigen::Vector2d& ab_mm,
+                             float difference_mm) const {
+  const double longest = discs_->longest_mm();
+  const double edges = 2.0 * grid.longest_edge_mm();
+  const double slope = ahead_slope_.norm();
+  const double apart = std::max(0.0, std::abs(ahead_mm(ab_mm)) - slope * edges);
+  const double rise = slope * longest;
+  const double root = rise > 0.0 ? std::sqrt(apart / (apart + rise)) : 1.0;
+  const double weight_off = (1.0 - root) / (1.0 + root);
+  const double cell = std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
+  return static_cast<float>(0.5 * longest + edges + kRidge * cell +
+                            (2.0 * layer_step + weight_off) * (std::abs(difference_mm) + 2.0 * edges));
+}
+
+GapColumns SectionGap::prepare(const ColumnGrid& grid, double layer_step) const {
   GapColumns columns;
   columns.grid_ = grid;
   if (guide_ == Guide::kCentroids) return columns;
@@ -154,10 +174,9 @@ GapColumns SectionGap::prepare(const ColumnGrid& grid) const {
   columns.second_mm_.resize(grid.size());
   const double longest = discs_ ? discs_->longest_mm() : 0.0;
   const double cell = std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
-  // Distances change by at most 1 per millimetre. So a point that is this far
-  // outside of both sections is outside wherever the vector leads, and so are
-  // its neighbours two edges away.
-  const auto certain = static_cast<float>(longest + 2.0 * grid.longest_edge_mm() + kRidge * cell);
+  // Where both distances are beyond this, so is what lies between them, whatever the weights.
+  const auto certain = static_cast<float>(0.5 * longest + 2.0 * grid.longest_edge_mm() + kRidge * cell);
+  std::vector<Eigen::Vector2d> guided_ab_mm;
   std::size_t at = 0;
   for (int j = 0; j < grid.rows; ++j) {
     const Eigen::Vector2d start = grid.row_start_mm(j);
@@ -167,36 +186,48 @@ GapColumns SectionGap::prepare(const ColumnGrid& grid) const {
       float& d2 = columns.second_mm_[at];
       d1 = is_absent(first_) ? absent_mm_ : -first_.shape->least_outside_mm(ab);
       d2 = is_absent(second_) ? absent_mm_ : -second_.shape->least_outside_mm(ab);
-      const bool far1 = d1 <= -certain;
-      const bool far2 = d2 <= -certain;
-      if (far1 && far2) continue;
+      if (d1 <= -certain && d2 <= -certain) continue;
       d1 = distance_mm(first_, ab);
       d2 = distance_mm(second_, ab);
       if (longest == 0.0 || std::max(d1, d2) <= -certain || std::min(d1, d2) >= certain) continue;
-      columns.index_.push_back(at);
-      columns.ab_mm_.push_back(ab);
+      GapColumns::Guided guided;
+      guided.index = at;
+      guided.first_cells = first_.shape->in_cells(ab);
+      guided.second_cells = second_.shape->in_cells(ab);
+      guided.ahead_mm = static_cast<float>(ahead_mm(ab));
+      guided.certain_mm = certain_mm(grid, layer_step, ab, d2 - d1);
+      columns.guided_.push_back(guided);
+      guided_ab_mm.push_back(ab);
     }
   }
-  find_correspondences(columns);
+  find_correspondences(columns, guided_ab_mm);
   return columns;
 }
 
-void SectionGap::find_correspondences(GapColumns& columns) const {
-  columns.c_mm_.reserve(columns.index_.size());
+void SectionGap::find_correspondences(GapColumns& columns, const std::vector<Eigen::Vector2d>& ab_mm) const {
+  const auto first_per_mm = static_cast<float>(1.0 / first_.shape->cell_mm());
+  const auto second_per_mm = static_cast<float>(1.0 / second_.shape->cell_mm());
+  const Eigen::Vector2f slope = ahead_slope_.cast<float>();
   DiscGuide::Block block;
   std::array<float, DiscGuide::kBlock> ca;
   std::array<float, DiscGuide::kBlock> cb;
-  for (std::size_t from = 0; from < columns.index_.size(); from += DiscGuide::kBlock) {
-    const std::size_t count = std::min(DiscGuide::kBlock, columns.index_.size() - from);
+  for (std::size_t from = 0; from < ab_mm.size(); from += DiscGuide::kBlock) {
+    const std::size_t count = std::min(DiscGuide::kBlock, ab_mm.size() - from);
     for (std::size_t k = 0; k < count; ++k) {
-      const Eigen::Vector2d& ab = columns.ab_mm_[from + k];
+      const Eigen::Vector2d& ab = ab_mm[from + k];
       block.a_mm[k] = static_cast<float>(ab.x());
       block.b_mm[k] = static_cast<float>(ab.y());
       block.first_code[k] = first_.shape->code(ab);
       block.second_code[k] = second_.shape->code(ab);
     }
     discs_->correspondence(block, ca, cb);
-    for (std::size_t k = 0; k < count; ++k) columns.c_mm_.emplace_back(ca[k], cb[k]);
+    for (std::size_t k = 0; k < count; ++k) {
+      GapColumns::Guided& guided = columns.guided_[from + k];
+      const Eigen::Vector2f c(ca[k], cb[k]);
+      guided.c_first_cells = first_per_mm * c;
+      guided.c_second_cells = second_per_mm * c;
+      guided.rise_mm = slope.dot(c);
+    }
   }
 }
 
@@ -215,8 +246,13 @@ void SectionGap::sample(const GapColumns& columns, double u, std::span<float> ou
   const float* first = columns.first_mm_.data();
   const float* second = columns.second_mm_.data();
   for (std::size_t at = 0; at < out.size(); ++at) out[at] = first[at] + weight * (second[at] - first[at]);
-  for (std::size_t k = 0; k < columns.index_.size(); ++k) {
-    out[columns.index_[k]] = along_mm(columns.ab_mm_[k], columns.c_mm_[k], u);
+  for (const GapColumns::Guided& guided : columns.guided_) {
+    float& value = out[guided.index];
+    if (std::abs(value) > guided.certain_mm) continue;
+    const Line through = line(guided.ahead_mm, guided.rise_mm, weight);
+    const float d1 = first_.shape->distance_at_mm(guided.first_cells - through.back * guided.c_first_cells);
+    const float d2 = second_.shape->distance_at_mm(guided.second_cells + through.on * guided.c_second_cells);
+    value = d1 + through.second_weight * (d2 - d1);
   }
 }
 

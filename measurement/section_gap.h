@@ -36,20 +36,29 @@ class GapColumns {
  public:
   const ColumnGrid& grid() const { return grid_; }
 
-  /// Columns whose samples are found along their own lines; of the others only
-  /// the sign is certain, which is the same all along.
-  std::size_t guided() const { return index_.size(); }
+  /// Columns with samples that are found along their own lines; the sign of the others is the same all along.
+  std::size_t guided() const { return guided_.size(); }
 
  private:
   friend class SectionGap;
+
+  // A column whose samples are found along their own lines.
+  struct Guided {
+    std::size_t index = 0;
+    Eigen::Vector2f first_cells = Eigen::Vector2f::Zero();  // where it meets the sections, in their cells
+    Eigen::Vector2f second_cells = Eigen::Vector2f::Zero();
+    Eigen::Vector2f c_first_cells = Eigen::Vector2f::Zero();  // its correspondence vector, in cells of each section
+    Eigen::Vector2f c_second_cells = Eigen::Vector2f::Zero();
+    float ahead_mm = 0.0F;    // of the second plane
+    float rise_mm = 0.0F;     // more of it at the end of the vector
+    float certain_mm = 0.0F;  // beyond this the sign of the distance interpolated straight across is certain
+  };
+
   ColumnGrid grid_;
   std::vector<float> first_mm_;  // both sections' distances where a column meets
                                  // them, or bounds of them far outside
   std::vector<float> second_mm_;
-  std::vector<std::size_t> index_;  // of the guided columns; the rest has an
-                                    // element for each of these
-  std::vector<Eigen::Vector2d> ab_mm_;
-  std::vector<Eigen::Vector2d> c_mm_;
+  std::vector<Guided> guided_;
 };
 
 /// The space between two successive sections, filled by interpolation of their
@@ -77,13 +86,13 @@ class SectionGap {
   /// The interpolated distance in millimetres, positive inside, at u in [0, 1].
   float value_mm(const Eigen::Vector2d& ab_mm, double u) const;
 
-  /// Prepares a layer's columns for `sample`: finds the correspondence of every
-  /// column near the surface.
-  GapColumns prepare(const ColumnGrid& grid) const;
+  /// Prepares a layer's columns for `sample`: finds the correspondence of every column near the surface. `layer_step`
+  /// is how far apart in u neighbouring layers are, at most.
+  GapColumns prepare(const ColumnGrid& grid, double layer_step = 1.0) const;
 
   /// The samples of the layer at u, `columns.grid().size()` of them. They equal
-  /// `value_mm` on every column within two lattice edges of one that has
-  /// another sign anywhere in this gap; on the others they have the right sign
+  /// `value_mm` wherever a sample within two lattice edges, along the layer or to the next two layers, has another
+  /// sign; the others have the right sign
   /// and are farther from zero than two edges are long. So a surface extracted
   /// from them is the same. At u = 0 and u = 1 this is for this gap only: what
   /// lies on a plane must also suit the gap beyond it, so take it from
@@ -101,11 +110,12 @@ class SectionGap {
 
  private:
   struct Line;
-  Line line(float ahead_mm, float rise_mm, float u) const;
+  static Line line(float ahead_mm, float rise_mm, float u);
   float along_mm(const Eigen::Vector2d& ab_mm, const Eigen::Vector2d& c_mm, double u) const;
   double ahead_mm(const Eigen::Vector2d& ab_mm) const { return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm); }
   float distance_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const;
-  void find_correspondences(GapColumns& columns) const;
+  float certain_mm(const ColumnGrid& grid, double layer_step, const Eigen::Vector2d& ab_mm, float difference_mm) const;
+  void find_correspondences(GapColumns& columns, const std::vector<Eigen::Vector2d>& ab_mm) const;
   float part_value_mm(const PartPair& pair, const Eigen::Vector2d& ab_mm, double u) const;
 
   PlacedSection first_;

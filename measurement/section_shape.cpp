@@ -1,6 +1,7 @@
 #include "measurement/section_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -13,11 +14,6 @@
 namespace fathom {
 
 namespace {
-
-// The raster's points are one cell apart along the rim, so the straight way to
-// the nearest outline point may miss the nearest of them by half of that, on
-// both of its parts.
-constexpr float kRimMiss = 1.0F;
 
 template <typename T>
 float bilinear(const std::vector<T>& values, const SectionRaster& raster, const Eigen::Vector2f& at) {
@@ -34,10 +30,6 @@ float bilinear(const std::vector<T>& values, const SectionRaster& raster, const 
   return low + y * (high - low);
 }
 
-Eigen::Vector2f in_cells(const Eigen::Vector2d& ab_mm, const SectionRaster& raster) {
-  return ((ab_mm - raster.origin_mm) / raster.cell_mm).cast<float>();
-}
-
 bool is_on(const SectionRaster& raster, const Eigen::Vector2f& at) {
   return at.x() >= 0.0F && at.y() >= 0.0F && at.x() <= static_cast<float>(raster.columns - 1) &&
          at.y() <= static_cast<float>(raster.rows - 1);
@@ -46,6 +38,11 @@ bool is_on(const SectionRaster& raster, const Eigen::Vector2f& at) {
 Eigen::Vector2f clamped(const SectionRaster& raster, const Eigen::Vector2f& at) {
   return {std::clamp(at.x(), 0.0F, static_cast<float>(raster.columns - 1)),
           std::clamp(at.y(), 0.0F, static_cast<float>(raster.rows - 1))};
+}
+
+// How far a point is outside of a rectangle along each axis.
+Eigen::Vector2f outside_by(const Eigen::Vector2f& at, const Eigen::Vector2f& low, const Eigen::Vector2f& high) {
+  return {std::max({low.x() - at.x(), at.x() - high.x(), 0.0F}), std::max({low.y() - at.y(), at.y() - high.y(), 0.0F})};
 }
 
 std::vector<Polygon> outlines_in_cells(const std::vector<Polygon>& outlines_mm, const SectionRaster& raster) {
@@ -76,13 +73,13 @@ std::vector<Polygon> outlines_in_cells(const std::vector<Polygon>& outlines_mm, 
 
 }  // namespace
 
-SectionShape::SectionShape(const Eigen::Vector2d& point_mm, double cell_mm)
-    : kind_(SectionKind::kPoint), point_mm_(point_mm) {
+SectionShape::SectionShape(const Eigen::Vector2d& point_mm, double cell_mm) : kind_(SectionKind::kPoint) {
   if (!point_mm.allFinite() || !std::isfinite(cell_mm) || cell_mm <= 0.0) {
     throw Error(
         "the point that marks an end of a structure is not finite; "
         "check the calibration");
   }
+  raster_.origin_mm = point_mm;
   raster_.cell_mm = cell_mm;
   inside_discs_.push_back({point_mm, kChamferBorder});
 }
@@ -123,20 +120,21 @@ SectionShape::SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster
 void SectionShape::find_distances(NearestPoints nearest, const std::vector<std::uint8_t>& inside) {
   const int last_i = raster_.columns - 1;
   const int last_j = raster_.rows - 1;
-  rim_.reserve(2 * static_cast<std::size_t>(last_i + last_j));
   rim_least_ = std::numeric_limits<float>::max();
   const auto add = [&](int i, int j) {
     const std::size_t at = raster_.index(i, j);
-    rim_.push_back({{static_cast<float>(i), static_cast<float>(j)},
-                    {nearest.x[at], nearest.y[at]},
-                    nearest.distance[at],
-                    static_cast<float>(codes_[at])});
+    rim_.x.push_back(static_cast<float>(i));
+    rim_.y.push_back(static_cast<float>(j));
+    rim_.nearest_x.push_back(nearest.x[at]);
+    rim_.nearest_y.push_back(nearest.y[at]);
+    rim_.code.push_back(static_cast<float>(codes_[at]));
     rim_least_ = std::min(rim_least_, nearest.distance[at]);
   };
   for (int i = 0; i < last_i; ++i) add(i, 0);
   for (int j = 0; j < last_j; ++j) add(last_i, j);
   for (int i = last_i; i > 0; --i) add(i, last_j);
   for (int j = last_j; j > 0; --j) add(0, j);
+  add_rim_blocks();
 
   const auto cell_mm = static_cast<float>(raster_.cell_mm);
   distances_mm_ = std::move(nearest.distance);
@@ -146,33 +144,21 @@ void SectionShape::find_distances(NearestPoints nearest, const std::vector<std::
   }
 }
 
-float SectionShape::distance_mm(const Eigen::Vector2d& ab_mm) const {
+float SectionShape::distance_at_mm(const Eigen::Vector2f& at) const {
   assert(kind_ != SectionKind::kAbsent);
-  if (kind_ == SectionKind::kPoint) return -static_cast<float>((ab_mm - point_mm_).norm());
-  const Eigen::Vector2f at = in_cells(ab_mm, raster_);
-  if (is_on(raster_, at)) return bilinear(distances_mm_, raster_, at);
-  return -static_cast<float>(raster_.cell_mm) * far_distance(at);
+  const auto cell_mm = static_cast<float>(raster_.cell_mm);
+  if (kind_ == SectionKind::kPoint) return -cell_mm * at.norm();
+  return is_on(raster_, at) ? bilinear(distances_mm_, raster_, at) : -cell_mm * far_distance(at);
 }
 
 float SectionShape::code(const Eigen::Vector2d& ab_mm) const {
   assert(kind_ != SectionKind::kAbsent);
   if (kind_ == SectionKind::kPoint) {
-    const Eigen::Vector2f to = ((ab_mm - point_mm_) / raster_.cell_mm).cast<float>();
+    const Eigen::Vector2f to = in_cells(ab_mm);
     return static_cast<float>(kChamferBorder) - chamfer_length(to.x(), to.y());
   }
-  const Eigen::Vector2f at = in_cells(ab_mm, raster_);
-  if (is_on(raster_, at)) return bilinear(codes_, raster_, at);
-  // Equation (3.2) holds at raster points; between them the code is bilinear,
-  // here as on the raster.
-  const Eigen::Vector2f corner(std::floor(at.x()), std::floor(at.y()));
-  const Eigen::Vector2f part = at - corner;
-  const auto value = [&](float i, float j) {
-    const Eigen::Vector2f point = corner + Eigen::Vector2f(i, j);
-    return is_on(raster_, point) ? bilinear(codes_, raster_, point) : -far_code(point);
-  };
-  const float low = value(0, 0) + part.x() * (value(1, 0) - value(0, 0));
-  const float high = value(0, 1) + part.x() * (value(1, 1) - value(0, 1));
-  return low + part.y() * (high - low);
+  const Eigen::Vector2f at = in_cells(ab_mm);
+  return is_on(raster_, at) ? bilinear(codes_, raster_, at) : -far_code(at);
 }
 
 void SectionShape::sample(const ColumnGrid& grid, std::span<float> out) const {
@@ -186,7 +172,7 @@ void SectionShape::sample(const ColumnGrid& grid, std::span<float> out) const {
 
 float SectionShape::least_outside_mm(const Eigen::Vector2d& ab_mm) const {
   if (kind_ != SectionKind::kOutlined) return 0.0F;
-  const Eigen::Vector2f at = in_cells(ab_mm, raster_);
+  const Eigen::Vector2f at = in_cells(ab_mm);
   const Eigen::Vector2f beyond = at - clamped(raster_, at);
   const float farthest = beyond.cwiseAbs().maxCoeff();
   return farthest > 0.0F ? static_cast<float>(raster_.cell_mm) * (rim_least_ + farthest) : 0.0F;
@@ -202,37 +188,67 @@ std::size_t SectionShape::rim_index(const Eigen::Vector2f& at) const {
   if (at.y() < 0.0F) return i;
   if (at.x() > static_cast<float>(last_i)) return last_i + j;
   if (at.y() > static_cast<float>(last_j)) return 2 * last_i + last_j - i;
-  return (2 * (last_i + last_j) - j) % rim_.size();
+  return (2 * (last_i + last_j) - j) % (2 * (last_i + last_j));
 }
 
-// The straight way to the nearest outline point passes the rim, and its rim
-// point has the same nearest point. The way by way of a rim point changes by
-// two cells at most from one to the next, so that after a long one many are
-// skipped.
-float SectionShape::far_distance(const Eigen::Vector2f& at) const {
-  const std::size_t start = rim_index(at);
-  float best = (at - rim_[start].nearest).norm();
-  for (std::size_t walked = 0; walked < rim_.size();) {
-    const std::size_t index = start + walked < rim_.size() ? start + walked : start + walked - rim_.size();
-    const RimPoint& rim = rim_[index];
-    best = std::min(best, (at - rim.nearest).norm());
-    const float excess = (at - rim.at).norm() + rim.distance - best - kRimMiss;
-    walked += excess > 2.0F ? static_cast<std::size_t>(0.5F * excess) : 1;
+void SectionShape::add_rim_blocks() {
+  for (std::vector<float>* values : {&rim_.x, &rim_.y, &rim_.nearest_x, &rim_.nearest_y, &rim_.code}) {
+    const float last = values->back();
+    while (values->size() % kRimBlock != 0) values->push_back(last);
   }
-  return best;
+  for (std::size_t from = 0; from < rim_.x.size(); from += kRimBlock) {
+    const auto range = [from](const std::vector<float>& values) {
+      const auto first = values.begin() + static_cast<std::ptrdiff_t>(from);
+      return std::minmax_element(first, first + static_cast<std::ptrdiff_t>(kRimBlock));
+    };
+    const auto x = range(rim_.x);
+    const auto y = range(rim_.y);
+    const auto nearest_x = range(rim_.nearest_x);
+    const auto nearest_y = range(rim_.nearest_y);
+    rim_blocks_.push_back({{*x.first, *y.first},
+                           {*x.second, *y.second},
+                           {*nearest_x.first, *nearest_y.first},
+                           {*nearest_x.second, *nearest_y.second},
+                           *range(rim_.code).first});
+  }
 }
 
-// In chamfer units, without sign. Treece 2000, equation (3.2), figure 3.8.
-float SectionShape::far_code(const Eigen::Vector2f& at) const {
-  constexpr auto kWorst = static_cast<float>(2 * kChamferStep);  // most that a way changes from rim point to rim point
-  const std::size_t start = rim_index(at);
+// The straight way to the nearest outline point passes the rim, and its rim point has the same nearest point.
+float SectionShape::far_distance(const Eigen::Vector2f& at) const {
+  const std::size_t start = rim_index(at) / kRimBlock;
   float best = std::numeric_limits<float>::max();
-  for (std::size_t walked = 0; walked < rim_.size();) {
-    const std::size_t index = start + walked < rim_.size() ? start + walked : start + walked - rim_.size();
-    const RimPoint& rim = rim_[index];
-    const float way = chamfer_length(at.x() - rim.at.x(), at.y() - rim.at.y()) + rim.code;
-    best = std::min(best, way);
-    walked += way - best > kWorst ? static_cast<std::size_t>((way - best) / kWorst) : 1;
+  const auto look = [&](std::size_t block) {
+    const float* x = &rim_.nearest_x[block * kRimBlock];
+    const float* y = &rim_.nearest_y[block * kRimBlock];
+    std::array<float, kRimBlock> squares;
+    for (std::size_t k = 0; k < kRimBlock; ++k) {
+      squares[k] = (x[k] - at.x()) * (x[k] - at.x()) + (y[k] - at.y()) * (y[k] - at.y());
+    }
+    best = std::min(best, *std::min_element(squares.begin(), squares.end()));
+  };
+  look(start);
+  for (std::size_t block = 0; block < rim_blocks_.size(); ++block) {
+    const RimBlock& box = rim_blocks_[block];
+    if (block != start && outside_by(at, box.nearest_low, box.nearest_high).squaredNorm() < best) look(block);
+  }
+  return std::sqrt(best);
+}
+
+// In chamfer units, without sign. Treece 2000, equation (3.2), figure 3.8. Between points of the raster the rim's codes
+// are linear along it, as on the raster: the way by the foot of the point on the rim makes the code continuous there.
+float SectionShape::far_code(const Eigen::Vector2f& at) const {
+  const Eigen::Vector2f foot = clamped(raster_, at);
+  float best = std::abs(bilinear(codes_, raster_, foot)) + chamfer_length(at.x() - foot.x(), at.y() - foot.y());
+  for (std::size_t block = 0; block < rim_blocks_.size(); ++block) {
+    const RimBlock& box = rim_blocks_[block];
+    const Eigen::Vector2f off = outside_by(at, box.low, box.high);
+    if (chamfer_length(off.x(), off.y()) + box.least_code >= best) continue;
+    std::array<float, kRimBlock> ways;
+    for (std::size_t k = 0; k < kRimBlock; ++k) {
+      const std::size_t i = block * kRimBlock + k;
+      ways[k] = chamfer_length(at.x() - rim_.x[i], at.y() - rim_.y[i]) + rim_.code[i];
+    }
+    best = std::min(best, *std::min_element(ways.begin(), ways.end()));
   }
   return best;
 }

@@ -56,11 +56,16 @@ class SectionShape {
 
   /// The signed distance at any point, on the raster or not, bilinear between
   /// the raster's points. Not for an absent section.
-  float distance_mm(const Eigen::Vector2d& ab_mm) const;
+  float distance_mm(const Eigen::Vector2d& ab_mm) const { return distance_at_mm(in_cells(ab_mm)); }
 
-  /// The chamfer code at any point, in the same way. Off the raster it is what
-  /// a larger raster would hold, by equations (3.1) and (3.2). Not for an
-  /// absent section.
+  /// The same for loops that know where they are in cells, from the raster's origin.
+  float distance_at_mm(const Eigen::Vector2f& at_cells) const;
+  Eigen::Vector2f in_cells(const Eigen::Vector2d& ab_mm) const {
+    return ((ab_mm - raster_.origin_mm) / raster_.cell_mm).cast<float>();
+  }
+
+  /// The chamfer code at any point, in the same way. At points in whole cells off the raster it is what a larger raster
+  /// would hold, by equations (3.1) and (3.2); between them it is continuous. Not for an absent section.
   float code(const Eigen::Vector2d& ab_mm) const;
 
   /// Distances at all points of a grid, `grid.size()` of them: the layer of a
@@ -78,28 +83,34 @@ class SectionShape {
   float largest_inside_mm() const { return largest_inside_mm_; }
 
  private:
-  // A point of the raster's rim, with what lies nearest to it: all that is
-  // needed to find distances farther out.
-  struct RimPoint {
-    Eigen::Vector2f at;       // cells
-    Eigen::Vector2f nearest;  // on the outline, cells
-    float distance;           // cells
-    float code;               // above 0, though outside
+  // The points of the raster's rim with what lies nearest to them: all that is needed to find distances farther out.
+  // In arrays, for fast loops; in blocks of kRimBlock, so that those that are too far can be passed over.
+  struct Rim {
+    std::vector<float> x, y;                  // cells
+    std::vector<float> nearest_x, nearest_y;  // on the outline, cells
+    std::vector<float> code;                  // above 0, though outside
   };
+  struct RimBlock {
+    Eigen::Vector2f low, high;                  // around its points
+    Eigen::Vector2f nearest_low, nearest_high;  // around what is nearest to them
+    float least_code;
+  };
+  static constexpr std::size_t kRimBlock = 16;
 
   void find_distances(NearestPoints nearest, const std::vector<std::uint8_t>& inside);
   float far_distance(const Eigen::Vector2f& at) const;
   float far_code(const Eigen::Vector2f& at) const;
   std::size_t rim_index(const Eigen::Vector2f& at) const;
+  void add_rim_blocks();
 
   SectionKind kind_ = SectionKind::kAbsent;
-  SectionRaster raster_;
-  Eigen::Vector2d point_mm_ = Eigen::Vector2d::Zero();
+  SectionRaster raster_;  // a point's has no points: its origin is the point
   std::vector<Polygon> outlines_mm_;
   std::vector<std::int16_t> codes_;
   std::vector<float> distances_mm_;
-  std::vector<RimPoint> rim_;  // clockwise from the raster's origin
-  float rim_least_ = 0.0F;     // smallest distance on the rim, cells
+  Rim rim_;  // clockwise from the raster's origin, the last block filled up with copies
+  std::vector<RimBlock> rim_blocks_;
+  float rim_least_ = 0.0F;  // smallest distance on the rim, cells
   std::vector<Disc> inside_discs_;
   std::vector<Disc> outside_discs_;
   float largest_inside_mm_ = 0.0F;

@@ -329,6 +329,8 @@ class BodyReader {
         builder_.add_normal({value(Use::nx), value(Use::ny), value(Use::nz)});
       }
     } else if (element.name == "face") {
+      // Not only useless: read out of step, much of a binary file looks like faces without corners.
+      if (corners_.size() < 3) source_.fail("has a face of fewer than three corners; the file is damaged");
       builder_.add_polygon(corners_, uses(element, Use::sweep_sign) ? std::optional(sweep_sign()) : std::nullopt);
     }
   }

@@ -238,7 +238,10 @@ void write_stl(const Mesh& mesh, AtomicFile& file, const Progress& progress) {
       report(progress, static_cast<double>(t) / static_cast<double>(mesh.triangles.size()));
     }
     std::array<Eigen::Vector3d, 3> corners;
-    for (std::size_t c = 0; c < 3; ++c) corners[c] = mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][c])];
+    for (std::size_t c = 0; c < 3; ++c) {
+      // As stored, so that the normal is that of the triangle which is read.
+      corners[c] = mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][c])].cast<float>().cast<double>();
+    }
     const Eigen::Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized();
     bytes.clear();
     append_vector(bytes, normal.allFinite() ? normal : Eigen::Vector3d::Zero());

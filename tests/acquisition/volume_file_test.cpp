@@ -12,9 +12,15 @@
 #include "acquisition/recording.h"
 #include "core/error.h"
 #include "tests/acquisition/sample_recording.h"
+#include "tests/scratch_folder.h"
 
 namespace fathom {
 namespace {
+
+std::filesystem::path written(const ScratchFolder& folder, const std::string& name, const std::string& content) {
+  put(folder / name, content);
+  return folder / name;
+}
 
 // Turned about a slanting axis, with other sides along each axis, and away from the origin.
 Eigen::Affine3d slanting_geometry() {
@@ -46,7 +52,7 @@ class VolumeRoundTrip : public testing::TestWithParam<Case> {};
 
 TEST_P(VolumeRoundTrip, KeepsVoxelsAndGeometry) {
   const auto& [type, extension, compress] = GetParam();
-  const TestFolder folder;
+  const ScratchFolder folder;
   const Volume original = sample_volume(type);
   const auto path = folder / ("v" + extension);
   write_volume(original, path, {.compress = compress});
@@ -76,12 +82,12 @@ std::string nrrd(const std::string& lines) {
   return "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 3 4\nencoding: raw\n" + lines + "\n" + std::string(24, '\x05');
 }
 
-Eigen::Vector3d place(const TestFolder& folder, const std::string& text, double column, double row, double slice) {
-  return read_volume(folder.write("v.mha", text)).reference_from_voxel * Eigen::Vector3d(column, row, slice);
+Eigen::Vector3d place(const ScratchFolder& folder, const std::string& text, double column, double row, double slice) {
+  return read_volume(written(folder, "v.mha", text)).reference_from_voxel * Eigen::Vector3d(column, row, slice);
 }
 
 TEST(VolumeGeometry, EveryThreeNumbersOfTransformMatrixAreTheDirectionOfOneAxis) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   // A quarter turn about z: columns run along y, rows along -x.
   const std::string text =
       metaimage("TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = 10 20 30\nElementSpacing = 2 3 5\n");
@@ -91,14 +97,14 @@ TEST(VolumeGeometry, EveryThreeNumbersOfTransformMatrixAreTheDirectionOfOneAxis)
 }
 
 TEST(VolumeGeometry, OtherNamesOfMetaImageFieldsAreRead) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const std::string text = metaimage("Position = 1 2 3\nRotation = 0 1 0 -1 0 0 0 0 1\nElementSize = 2 3 5\n");
   EXPECT_EQ(place(folder, text, 1, 1, 1), Eigen::Vector3d(1 - 3, 2 + 2, 3 + 5));
   EXPECT_EQ(place(folder, metaimage(""), 1, 2, 3), Eigen::Vector3d(1, 2, 3));
 }
 
 TEST(VolumeGeometry, NrrdSpacesAreBroughtToLps) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const std::string vectors = "space directions: (0,2,0) (-3,0,0) (0,0,5)\nspace origin: (10,20,30)\n";
   const Eigen::Vector3d stated(10 - 3, 20 + 2, 30 + 5);
   for (const auto& [space, signs] : {std::pair("space: left-posterior-superior\n", Eigen::Vector3d(1, 1, 1)),
@@ -114,7 +120,7 @@ TEST(VolumeGeometry, NrrdSpacesAreBroughtToLps) {
 }
 
 TEST(VolumeGeometry, WhatIsNoGeometryIsRefused) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   for (const std::string lines :
        {"ElementSpacing = 1 0 1\n", "ElementSpacing = 1 -1 1\n", "ElementSpacing = 1 nan 1\n", "ElementSpacing = 1 1\n",
         "ElementSpacing = 1e9 1 1\n", "Offset = 0 0 inf\n", "Offset = 0 0 0 0\n", "Offset = 1e300 0 0\n",
@@ -135,7 +141,7 @@ TEST(VolumeGeometry, WhatIsNoGeometryIsRefused) {
 }
 
 TEST(VolumeFile, RecordingsAreRefusedWithAReason) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const std::pair<std::string, std::string> cases[] = {
       {metaimage("Seq_Frame0001_Timestamp = 2\n"), "is a recording, with fields of its frames"},
       {metaimage("Kinds = domain domain list\n"), "is a recording, as its last axis is a list of frames"},
@@ -147,7 +153,7 @@ TEST(VolumeFile, RecordingsAreRefusedWithAReason) {
        "has 3 channels"},
       {"NRRD0004\ntype: uchar\ndimension: 2\nsizes: 3 2\nencoding: raw\n\nabcdef", "has 2 axes"}};
   for (const auto& [text, reason] : cases) {
-    const auto path = folder.write("v.mha", text);
+    const auto path = written(folder, "v.mha", text);
     EXPECT_FALSE(is_volume_file(path)) << reason;
     const std::string message = message_of<Error>([&] { read_volume(path); });
     EXPECT_NE(message.find("v.mha: " + reason), std::string::npos) << message;
@@ -158,36 +164,36 @@ TEST(VolumeFile, RecordingsAreRefusedWithAReason) {
 }
 
 TEST(VolumeFile, DamageIsFoundWhereverItIs) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   for (const std::string extension : {".mha", ".nrrd"}) {
     for (const bool compress : {false, true}) {
       const auto path = folder / ("v" + extension);
       write_volume(sample_volume(CV_16UC1), path, {.compress = compress});
       const std::string good = content_of(path);
       for (std::size_t length = 0; length < good.size(); length += length + 3 < good.size() ? 3 : 1) {
-        const auto cut = folder.write("cut" + extension, good.substr(0, length));
+        const auto cut = written(folder, "cut" + extension, good.substr(0, length));
         EXPECT_THROW(read_volume(cut), Error) << extension << compress << " cut at " << length;
       }
       if (!compress) continue;
       std::string wrong = good;
       wrong[wrong.size() - 7] ^= 0x20;
-      EXPECT_THROW(read_volume(folder.write("wrong" + extension, wrong)), Error);
+      EXPECT_THROW(read_volume(written(folder, "wrong" + extension, wrong)), Error);
     }
   }
 }
 
 TEST(VolumeFile, MoreVoxelsThanTheLimitAreRefusedBeforeMemoryIsTaken) {
-  const TestFolder folder;
-  const auto path = folder.write("v.mha",
-                                 "ObjectType = Image\nNDims = 3\nDimSize = 1024 1024 1025\nElementType = MET_UCHAR\n"
-                                 "ElementDataFile = LOCAL\n");
+  const ScratchFolder folder;
+  const auto path = written(folder, "v.mha",
+                            "ObjectType = Image\nNDims = 3\nDimSize = 1024 1024 1025\nElementType = MET_UCHAR\n"
+                            "ElementDataFile = LOCAL\n");
   std::filesystem::resize_file(path, (1ull << 30) + (2ull << 20));  // a hole: takes no room on the disk
   const std::string message = message_of<Error>([&] { read_volume(path); });
   EXPECT_NE(message.find("has 1024 x 1024 x 1025 voxels; a volume may have 2^30"), std::string::npos) << message;
 }
 
 TEST(VolumeFile, WhatCouldNotBeReadBackIsNotWritten) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto refuses = [&](const Volume& volume, const std::string& name = "v.mha") {
     const std::string message = message_of<Error>([&] { write_volume(volume, folder / name); });
     return message.find(name + ": ") != std::string::npos && folder.names().empty();
@@ -208,7 +214,7 @@ TEST(VolumeFile, WhatCouldNotBeReadBackIsNotWritten) {
 }
 
 TEST(VolumeFile, CanBeCancelled) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const Volume volume = sample_volume(CV_8UC1);
   EXPECT_THROW(write_volume(volume, folder / "v.mhd", {}, [](double done) { return done < 0.5; }), Cancelled);
   EXPECT_TRUE(folder.names().empty());
@@ -217,7 +223,7 @@ TEST(VolumeFile, CanBeCancelled) {
 }
 
 TEST(VolumeFile, PartOfALargerArrayIsWrittenAlone) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const Volume whole = sample_volume(CV_16SC1);
   const cv::Range part[] = {{1, 4}, {1, 3}, {1, 3}};
   write_volume({whole.voxels(part), whole.reference_from_voxel}, folder / "v.nrrd");

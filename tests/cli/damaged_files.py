@@ -4,7 +4,9 @@
 import shutil
 
 import damaged_documents
+import damaged_meshes
 import damaged_recordings
+import damaged_volumes
 from program import complaint_about_error, ordinary_user, run_script, tree
 from recording_file import MetaImage, Nrrd
 
@@ -88,6 +90,15 @@ class Suite:
         for name, files, commands in damaged_recordings.recordings(self.mha, self.nrrd):
             self.must_refuse(name, files, lambda path: {c: self.arguments(c, recording=path) for c in commands})
 
+    def volumes(self):
+        for good, name in ((damaged_volumes.GOOD_MHA, "volume.mha"), (damaged_volumes.GOOD_NRRD, "volume.nrrd")):
+            (self.good / name).write_bytes(good.bytes())
+            self.must_accept(name, self.arguments("convert", self.good / name))
+            self.must_refuse(f"{name} as a picture", {name: good.bytes()},
+                             lambda path: {"convert": ["convert", path, "out.png", "--json"]})
+        for name, files in damaged_volumes.volumes():
+            self.must_refuse(name, files, lambda path: {"convert": self.arguments("convert", recording=path)})
+
     def calibrations(self):
         def runs(path):
             return {"measure": self.arguments("measure", calibration=path)}
@@ -117,6 +128,25 @@ class Suite:
         self.must_refuse("contours: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
         self.must_refuse("contours: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
 
+    def meshes(self):
+        (self.good / "cube.off").write_bytes(damaged_meshes.CUBE)
+        good = {}
+        for kind in damaged_meshes.FORMATS:
+            self.program.must_run("convert", self.good / "cube.off", self.good / f"whole.{kind}")
+            good[kind] = (self.good / f"whole.{kind}").read_bytes()
+            self.must_accept(f"mesh as {kind}", ["convert", self.good / f"whole.{kind}", "out.ply", "--json"])
+        (self.good / "text.ply").write_bytes(damaged_meshes.text_ply())
+        self.must_accept("mesh as text in ply", ["convert", self.good / "text.ply", "out.stl", "--json"])
+        for name, files in damaged_meshes.meshes(good):
+            self.must_refuse(f"mesh: {name}", files, lambda path: {"convert": ["convert", path, "out.ply", "--json"]})
+
+        cube, scan = {"cube.ply": good["ply"]}, {"scan.mha": self.mha.bytes()}
+        for out in ("out.mha", "out.nrrd", "out", "out.txt"):
+            self.must_refuse(f"a mesh as {out}", cube, lambda path: {"convert": ["convert", path, out]})
+        for kind in damaged_meshes.FORMATS:
+            self.must_refuse(f"a recording as {kind}", scan, lambda path: {"convert": ["convert", path, f"out.{kind}"]})
+        self.must_refuse("a compressed mesh", cube, lambda path: {"convert": ["convert", "--compress", path, "out.ply"]})
+
     def without_permission(self):
         """Files that may not be read, as a user who is not root."""
         user = ordinary_user(self.program, self.folder)
@@ -142,6 +172,7 @@ class Suite:
 def body(program, folder, tally, _root):
     suite = Suite(program, folder, tally)
     suite.recordings()
+    suite.volumes()
     suite.calibrations()
     suite.contours()
     suite.without_permission()

@@ -58,13 +58,13 @@ TEST_P(Morphology, OpeningRemovesASpeckSmallerThanTheDiscAndKeepsALargerOne) {
   draw_disc(volume, 1, 3.0, kBright);
   const Volume without_speck = volume;
   Volume with_speck = {volume.voxels.clone(), volume.reference_from_voxel};
-  draw_disc(with_speck, 1, 1.0, kBright, 6.0, 6.0);
+  draw_disc(with_speck, 1, 1.0, kBright, 30 * kSides_mm.x(), 17 * kSides_mm.y());
   EXPECT_FALSE(same(with_speck, without_speck));
   EXPECT_TRUE(same(open_slices(with_speck, 1.5), open_slices(without_speck, 1.5)));
   // A disc of the size of the speck fits into it.
-  const Volume kept = open_slices(with_speck, 1.0);
-  EXPECT_EQ(cv::norm(kept.voxels, with_speck.voxels, cv::NORM_INF, kept.voxels == kBright), 0.0);
-  EXPECT_FALSE(same(kept, open_slices(without_speck, 1.0)));
+  Volume kept = open_slices(with_speck, 1.0);
+  const cv::Rect around(80, 45, 21, 15);
+  EXPECT_EQ(cv::norm(slice_of(kept, 1)(around), slice_of(with_speck, 1)(around), cv::NORM_INF), 0.0);
 }
 
 TEST_P(Morphology, ClosingFillsAGapThatTheDiscDoesNotFit) {
