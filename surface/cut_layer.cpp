@@ -134,13 +134,10 @@ bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star) {
   if (x < 0) return false;
   int y = std::countr_zero(static_cast<EdgeMask>(kNextEdges[static_cast<std::size_t>(x)] & outside));
 
-  // A cut beside the cluster that nearly all around it belongs to the cluster: its cut on the far side would be met
-  // from both sides through the diagonals of quadrilaterals.
-  for (auto rest = static_cast<EdgeMask>(cut & outside); rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-    const int e = std::countr_zero(rest);
-    const auto far = static_cast<EdgeMask>(kNextEdges[static_cast<std::size_t>(e)] & outside);
-    if (std::popcount(far) == 1 && (far & cut) == 0) return false;
-  }
+  // The diagonal of a quadrilateral leads from a cut of the cluster, OX, past a cut beside it, OY, to PY, which then is
+  // on the ring as well. That changes nothing: diagonals go by the handedness of the tetrahedron alone, so that of the
+  // two beside the triangle OPY just one has such a diagonal, and PY is met once; and as OX is near O and OY near Y, PY
+  // is either near Y, like OY, or near P, and then so is PX, which comes before.
 
   // The ring: edges of the link from a vertex of the cluster to one that is not. It is one circle if, and only if, the
   // patch is a disc.
