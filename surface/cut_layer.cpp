@@ -244,15 +244,10 @@ std::array<float, 3> change_in(const Star& star, EdgeMask of_field) {
 }
 
 // The edges whose ends are samples of the field.
-EdgeMask ends_of_field(const CutLayer& layer, const CutLayer* below, const CutLayer* above, const Star& star, int row,
-                       int column) {
+EdgeMask ends_of_field(const Star& star) {
   EdgeMask result = star.there;
-  for (EdgeMask rest = star.there; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-    const int e = std::countr_zero(rest);
-    const EdgeEnd end = edge_end(layer, row, column, e);
-    if (layer_at(layer, below, above, end.layer_step)->made_up(end.row, end.column)) {
-      result = static_cast<EdgeMask>(result & ~edge_bit(e));
-    }
+  for (std::size_t e = 0; e < kLatticeEdges; ++e) {
+    if (star.value[e] == kFarOutside) result = static_cast<EdgeMask>(result & ~edge_bit(static_cast<int>(e)));
   }
   return result;
 }
@@ -345,10 +340,8 @@ void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Cl
         const Star star = star_of(layer, below, above, j, sample.column);
         mark_edges(star, sample);
         if (at_end || side_row || sample.column <= 1 || sample.column + 2 >= columns) {
-          sample.made_up = layer.made_up(j, sample.column);
-          if (!sample.made_up) {
-            sample.change = change_in(star, ends_of_field(layer, below, above, star, j, sample.column));
-          }
+          sample.made_up = star.centre == kFarOutside;
+          if (!sample.made_up) sample.change = change_in(star, ends_of_field(star));
         } else {
           sample.change = change_in(star, kAllEdges);
         }

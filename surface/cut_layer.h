@@ -40,9 +40,8 @@ struct Star {
 /// A layer of the body-centred lattice and where the surface cuts it. Treece 2000, sections 3.4.2 and 3.4.3.
 struct CutLayer {
   const SampledLayer* samples = nullptr;
-  int parity = 0;              ///< of the layer's number
-  bool beyond = false;         ///< made up, all outside, to close the surface at an end
-  bool made_up_sides = false;  ///< the outermost rows and columns are made up
+  int parity = 0;       ///< of the layer's number
+  bool beyond = false;  ///< made up, all outside, to close the surface at an end
 
   int words = 0;                        ///< of 64 samples, in each row
   std::vector<std::uint64_t> inside;    ///< a bit for each sample
@@ -53,10 +52,6 @@ struct CutLayer {
   std::int32_t vertices = 0;
 
   bool shifted(int row) const { return ((row + parity) & 1) != 0; }
-  bool side(int row, int column) const {
-    return row == 0 || row + 1 == samples->rows || column == 0 || column + 1 == samples->columns;
-  }
-  bool made_up(int row, int column) const { return beyond || (made_up_sides && side(row, column)); }
   float at(int row, int column) const {
     return samples->values[static_cast<std::size_t>(row) * static_cast<std::size_t>(samples->columns) +
                            static_cast<std::size_t>(column)];

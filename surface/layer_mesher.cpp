@@ -49,49 +49,61 @@ void for_each_layer(int begin, int end, const Work& work) {
   });
 }
 
-// Layers of a stack by their numbers, from `low` to `high` - 1; null outside.
+// The layers of a stack around those that are being meshed, by their numbers; null outside of the stack.
 class CutLayers {
  public:
-  CutLayers(const Stack& stack, int low, int high, bool made_up_sides) : low_(std::max(low, stack.low())) {
-    const int end = std::min(high, stack.high());
-    layers_.resize(static_cast<std::size_t>(std::max(0, end - low_)));
-    for (int k = low_; k < end; ++k) {
-      CutLayer& layer = *at(k);
-      layer.samples = stack.at(k);
-      layer.parity = k & 1;
-      layer.beyond = stack.beyond(k);
-      layer.made_up_sides = made_up_sides;
-    }
+  CutLayers(const Stack& stack, int window) : stack_(stack), layers_(static_cast<std::size_t>(window)) {}
+
+  /// Valid for the last `window` of the layers that were begun.
+  CutLayer* at(int k) {
+    if (k < stack_.low() || k >= stack_.high()) return nullptr;
+    return &layers_[static_cast<std::size_t>(k - stack_.low()) % layers_.size()];
   }
 
-  int low() const { return low_; }
-  int high() const { return low_ + static_cast<int>(layers_.size()); }
-  CutLayer* at(int k) { return k < low() || k >= high() ? nullptr : &layers_[static_cast<std::size_t>(k - low_)]; }
+  void begin(int k) {
+    CutLayer& layer = *at(k);
+    layer.samples = stack_.at(k);
+    layer.parity = k & 1;
+    layer.beyond = stack_.beyond(k);
+    mark_inside(layer);
+  }
 
  private:
-  int low_;
+  const Stack& stack_;
   std::vector<CutLayer> layers_;
 };
 
+// Layers that are cut and meshed at a time: enough for all threads, and few enough to stay in the cache.
+constexpr int kLayersAtATime = 32;
+
 std::vector<LayerMesh> mesh_tetrahedra(const Stack& stack, int first, int last, const MesherOptions& options) {
   const Clustering clustering = options.mesher == Mesher::kRegularised ? Clustering::kClusters : Clustering::kNone;
-  // The made-up layer below the stack has no vertices; its triangles go to the first layer.
-  const int begin = first == 0 ? stack.low() : first;
-  CutLayers layers(stack, begin - 2, last + 2, options.made_up_sides);
-  for_each_layer(layers.low(), layers.high(), [&](int k) { mark_inside(*layers.at(k)); });
-  for_each_layer(std::max(layers.low(), begin - 1), std::min(last + 1, layers.high()),
-                 [&](int k) { mark_cuts(*layers.at(k), layers.at(k - 1), layers.at(k + 1), clustering); });
   std::vector<LayerMesh> meshes(static_cast<std::size_t>(last - first));
-  for_each_layer(first, last, [&](int k) {
-    LayerMesh& mesh = meshes[static_cast<std::size_t>(k - first)];
-    if (k == 0 && begin < 0) add_triangles(*layers.at(-1), *layers.at(0), mesh);
-    const LayerStar around{{layers.at(k - 1), layers.at(k), layers.at(k + 1)}};
-    const auto vertices = static_cast<std::size_t>(layers.at(k)->vertices);
-    mesh.vertices.reserve(vertices);
-    mesh.normals.reserve(vertices);
-    add_vertices(around, options.placement, mesh);
-    if (layers.at(k + 1)) add_triangles(*layers.at(k), *layers.at(k + 1), mesh);
-  });
+  // The vertices of a layer depend on the cuts of its neighbours, and these on the samples of theirs. The made-up layer
+  // below the stack has no vertices; its triangles go to the first layer.
+  CutLayers layers(stack, std::min(last - first, kLayersAtATime) + 5);
+  int begun = std::max(stack.low(), first - 2);
+  int cut = std::max(stack.low(), first - 1);
+  for (int start = first; start < last; start += kLayersAtATime) {
+    const int end = std::min(last, start + kLayersAtATime);
+    const int begin_to = std::min(stack.high(), end + 2);
+    for_each_layer(begun, begin_to, [&](int k) { layers.begin(k); });
+    begun = begin_to;
+    const int cut_to = std::min(stack.high(), end + 1);
+    for_each_layer(cut, cut_to,
+                   [&](int k) { mark_cuts(*layers.at(k), layers.at(k - 1), layers.at(k + 1), clustering); });
+    cut = cut_to;
+    for_each_layer(start, end, [&](int k) {
+      LayerMesh& mesh = meshes[static_cast<std::size_t>(k - first)];
+      const auto vertices = static_cast<std::size_t>(layers.at(k)->vertices);
+      mesh.vertices.reserve(vertices);
+      mesh.normals.reserve(vertices);
+      mesh.triangles.reserve(5 * vertices / 2);  // about two for each vertex of a closed surface
+      if (k == 0 && stack.low() < 0) add_triangles(*layers.at(-1), *layers.at(0), mesh);
+      add_vertices({{layers.at(k - 1), layers.at(k), layers.at(k + 1)}}, options.placement, mesh);
+      if (layers.at(k + 1)) add_triangles(*layers.at(k), *layers.at(k + 1), mesh);
+    });
+  }
   return meshes;
 }
 

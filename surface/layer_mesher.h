@@ -29,11 +29,6 @@ struct MesherOptions {
   /// Closes the surface flat on the first and last layer of the stack: as if one more layer, all outside, lay directly
   /// beyond. Vertices of the rim stay in the end layer's plane.
   bool cap_ends = false;
-  /// The outermost rows and the first and last sample of every row are made up, outside of the surface, to close it at
-  /// the sides: they count for its topology but not for normals, and the surface's rim stays in the planes of the
-  /// outermost samples of the field.
-  bool made_up_sides = false;
-
   /// The lattice that the mesher needs.
   Lattice lattice() const { return mesher == Mesher::kCubes ? Lattice::kCubic : Lattice::kBodyCentred; }
 };

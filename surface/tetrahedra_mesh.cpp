@@ -86,7 +86,7 @@ class VertexMaker {
 
  private:
   void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts) {
-    const Walls walls = walls_at(sample);
+    const Walls walls = walls_at(sample, star);
     cuts = bound(walls, cuts);
     const Vector3 own_change = as_vector(sample.change);
     const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
@@ -137,7 +137,7 @@ class VertexMaker {
   static Vector3 raise(float mean_height, const Vector3& change, const Vector3& middle) {
     const Vector3 way = steepest(change);
     const float rise = change.dot(way);
-    if (!(rise > 0.0F)) return Vector3::Zero();
+    if (!(rise > 0.0F && std::isfinite(rise))) return Vector3::Zero();
     const Vector3 shift = 0.5F * (mean_height - change.dot(middle)) / rise * way;
     // In noise the planes say anything.
     const float length = std::sqrt(shift.x() * shift.x() + 2.0F * (shift.y() * shift.y() + shift.z() * shift.z()));
@@ -167,28 +167,26 @@ class VertexMaker {
     return place;
   }
 
-  // The walls that close or end the lattice at a sample: -1 or 1 along columns, rows and layers, 0 for none.
+  // The walls that close or end the lattice at a sample: -1 or 1 along rows and layers, 0 for none.
   struct Walls {
-    int m = 0;
     int j = 0;
     int k = 0;
-    bool any() const { return (m | j | k) != 0; }
+    bool any() const { return (j | k) != 0; }
   };
 
-  Walls walls_at(const CutSample& sample) const {
+  Walls walls_at(const CutSample& sample, const Star& star) const {
     Walls walls;
     if (at_end_) walls.k = !real(around_.at(-1)) ? -1 : 1;
-    const int ring = layer_.made_up_sides ? 1 : 0;
-    if (sample.row <= ring) {
+    const auto ends = [&star](int j) {
+      const auto missing = [&star](int edge) {
+        return !has_edge(star.there, edge) || star.value[static_cast<std::size_t>(edge)] == kFarOutside;
+      };
+      return missing(edge_along({0, j, -1})) && missing(edge_along({0, j, 1}));
+    };
+    if (sample.row <= 1 && ends(-1)) {
       walls.j = -1;
-    } else if (sample.row + 1 + ring >= layer_.samples->rows) {
+    } else if (sample.row + 2 >= layer_.samples->rows && ends(1)) {
       walls.j = 1;
-    }
-    if (layer_.made_up_sides) {
-      const bool shifted = layer_.shifted(sample.row);
-      if (sample.column == 0 || (sample.column == 1 && !shifted)) walls.m = -1;
-      const int from_last = layer_.samples->columns - 1 - sample.column;
-      if (from_last == 0 || (from_last == 1 && shifted)) walls.m = 1;
     }
     return walls;
   }
@@ -214,7 +212,6 @@ class VertexMaker {
     };
     along(walls.k, [](const LatticeStep& step) { return step.k; });
     along(walls.j, [](const LatticeStep& step) { return step.j; });
-    along(walls.m, [](const LatticeStep& step) { return step.m; });
     return cuts;
   }
 
@@ -223,20 +220,16 @@ class VertexMaker {
     Eigen::Vector3d change(changes.x(), changes.y(), changes.z());
     if (walls.any()) {
       // In the middle of a cap the wall, not the field, says what is outside.
-      bool all_k = true, all_j = true, all_m = true;
+      bool all_k = true, all_j = true;
       for (EdgeMask rest = sample.cut; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
         const LatticeStep& step = kLatticeSteps[static_cast<std::size_t>(std::countr_zero(rest))];
         all_k &= step.k * walls.k > 0;
         all_j &= step.j * walls.j > 0;
-        all_m &= step.m * walls.m > 0;
       }
-      if (sample.made_up) all_m = true;
       if (all_k) {
         change = {0.0, 0.0, -1.0 * walls.k};
       } else if (all_j) {
         change = {0.0, -1.0 * walls.j, 0.0};
-      } else if (all_m) {
-        change = {-1.0 * walls.m, 0.0, 0.0};
       }
     }
     if (parallel_) {
