@@ -92,8 +92,7 @@ class SectionGap {
 
   /// The samples of the layer at u, `columns.grid().size()` of them. They equal
   /// `value_mm` wherever a sample within two lattice edges, along the layer or to the next two layers, has another
-  /// sign; the others have the right sign
-  /// and are farther from zero than two edges are long. So a surface extracted
+  /// sign; the others have the right sign and are farther from zero than two edges are long. So a surface extracted
   /// from them is the same. At u = 0 and u = 1 this is for this gap only: what
   /// lies on a plane must also suit the gap beyond it, so take it from
   /// SectionShape::sample.
@@ -108,11 +107,16 @@ class SectionGap {
   /// relative to (a, b). Zero unless the guide is kDiscs.
   Eigen::Vector2d correspondence_mm(const Eigen::Vector2d& ab_mm) const;
 
+  /// How far the second plane lies ahead of the first along the average normal.
+  double ahead_mm(const Eigen::Vector2d& ab_mm) const { return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm); }
+
+  const PlacedSection& first() const { return first_; }
+  const PlacedSection& second() const { return second_; }
+
  private:
   struct Line;
   static Line line(float ahead_mm, float rise_mm, float u);
   float along_mm(const Eigen::Vector2d& ab_mm, const Eigen::Vector2d& c_mm, double u) const;
-  double ahead_mm(const Eigen::Vector2d& ab_mm) const { return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm); }
   float distance_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const;
   float certain_mm(const ColumnGrid& grid, double layer_step, const Eigen::Vector2d& ab_mm, float difference_mm) const;
   void find_correspondences(GapColumns& columns, const std::vector<Eigen::Vector2d>& ab_mm) const;
