@@ -64,7 +64,8 @@ void check_units(const RecordingHeader& header, std::initializer_list<std::strin
 }
 
 void check_spacing(const Eigen::Vector3d& spacing_mm, std::string_view name, const InputFile& file) {
-  if (!(spacing_mm.minCoeff() > 0.0)) file.fail(std::string(name) + " must be three numbers greater than 0");
+  if (!(spacing_mm.minCoeff() > 0.0))
+    file.fail(std::string(name) + " must be three numbers greater than 0; write the file again");
 }
 
 Eigen::Affine3d metaimage_geometry(const SequenceFile& sequence, const InputFile& file) {
@@ -101,7 +102,8 @@ Eigen::Vector3d lps_from(const std::string& space, const InputFile& file) {
 Eigen::Affine3d nrrd_geometry(const SequenceFile& sequence, const InputFile& file) {
   const NrrdSpace& stated = *sequence.nrrd_space;
   const auto read_vector = [&](const std::vector<double>& from, std::string_view name) {
-    if (from.size() != 3) file.fail("its " + std::string(name) + " must be vectors of three finite numbers");
+    if (from.size() != 3)
+      file.fail("its " + std::string(name) + " must be vectors of three finite numbers; write the file again");
     return Eigen::Vector3d(from[0], from[1], from[2]);
   };
   Eigen::Affine3d space_from_voxel = Eigen::Affine3d::Identity();

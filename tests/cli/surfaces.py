@@ -259,7 +259,7 @@ def volumes(program, folder, tally):
 
     path.write_bytes(grid.volume(ball(grid.place((16, 12, 10)), 9)))
     whole = isosurface(program, out, path, 0)["volume_ml"]
-    path.write_bytes(grid.volume(ball(grid.place((0, 12, 10)), 9)))
+    path.write_bytes(grid.volume(ball(grid.place((16, 12, 0)), 9)))
     made = isosurface(program, out, path, 0)
     tally.check("a ball cut by the border is open", made["closed"] or made["volume_ml"] is not None)
     tally.check("and says how to close it", not any("--cap" in text for text in made["warnings"]) and f"{made}")
