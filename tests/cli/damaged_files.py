@@ -18,6 +18,7 @@ MAX_SECONDS_SANITIZED = 120
 class Suite:
     def __init__(self, program, folder, tally):
         self.program, self.folder, self.tally = program, folder, tally
+        self.cases = 0
         self.good = folder / "good"
         self.good.mkdir()
         program.must_run("simulate", "--object", "sphere", "--pattern", "linear", "--frames", 6, "--seed", 3, "--out",
@@ -48,6 +49,9 @@ class Suite:
 
     def must_refuse(self, name, files, runs, user=None):
         """Each of the runs (by name of command, given the first file's path) must refuse the files."""
+        self.cases += 1
+        if self.cases % self.program.share:
+            return
         case, out = self.folder / "case", self.folder / "out"
         case.mkdir()
         out.mkdir()

@@ -38,9 +38,10 @@ class Outcome:
 class Program:
     """The program under test."""
 
-    def __init__(self, path, sanitized=False):
+    def __init__(self, path, sanitized=False, share=1):
         self.path = str(Path(path).resolve())
         self.sanitized = sanitized
+        self.share = share  # one case of so many is run, where a script has hundreds of a kind
 
     def run(self, *arguments, cwd=None, timeout_s=120, user=None, max_file_bytes=None, interrupt_after=None):
         """Runs to the end. `interrupt_after` is a function; once it returns true, the program gets one SIGINT."""
@@ -158,12 +159,13 @@ def run_script(description, body, *others):
     for other in others:
         parser.add_argument(other)
     parser.add_argument("--sanitized", action="store_true", help="built with sanitizers: memory is not measured")
+    parser.add_argument("--share", type=int, default=1, metavar="N", help="every Nth of the damaged files only")
     arguments = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="fathom-test-")).resolve()
     tally = Tally()
     try:
         root = Path(__file__).resolve().parents[2]
-        body(Program(arguments.fathom, arguments.sanitized), folder, tally, root,
+        body(Program(arguments.fathom, arguments.sanitized, arguments.share), folder, tally, root,
              *(getattr(arguments, other) for other in others))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
