@@ -35,14 +35,15 @@ constexpr int kSamplesAtATime = 1 << 22;
 // Makes values small enough for differences; returns whether one is not finite.
 bool clean(std::span<float> values) {
   constexpr float kLargest = 1e30F;
-  constexpr std::uint32_t kExponent = 0x7F800000;
-  std::uint32_t faults = 0;
+  std::uint32_t large = 0;
+  for (const float value : values) large |= std::abs(value) <= kLargest ? 0U : 1U;
+  if (large == 0) return false;
+  bool all_finite = true;
   for (float& value : values) {
-    faults |= (std::bit_cast<std::uint32_t>(value) & kExponent) == kExponent ? 1U : 0U;
-    value = value > kLargest ? kLargest : value;
-    value = value < -kLargest ? -kLargest : value;
+    all_finite = all_finite && std::isfinite(value);
+    value = std::clamp(value, -kLargest, kLargest);
   }
-  return faults != 0;
+  return !all_finite;
 }
 
 // The layers of a lattice around those that are being meshed, each sampled once.
