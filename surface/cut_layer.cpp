@@ -1,10 +1,8 @@
 #include "surface/cut_layer.h"
 
 #include <algorithm>
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+#include <span>
+#include <utility>
 
 namespace fathom {
 
@@ -50,33 +48,26 @@ void mark_inside(CutLayer& layer) {
   }
 }
 
-Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above, int row, int column) {
+Stars::Stars(const CutLayer& layer, const CutLayer* below, const CutLayer* above)
+    : layer_(layer), around_{below, &layer, above}, has_both_(below && above) {
+  for (std::size_t i = 0; i < around_.size(); ++i) {
+    if (around_[i]) values_[i] = around_[i]->samples->values.data();
+  }
+}
+
+Star Stars::border_star(int row, int column) const {
   Star star;
-  star.centre = layer.at(row, column);
+  star.centre = layer_.at(row, column);
   star.value[14] = star.centre;
   star.value[15] = star.centre;
-  const int columns = layer.samples->columns;
-  const int rows = layer.samples->rows;
-  const auto& steps = kColumnStep[layer.shifted(row) ? 1 : 0];
-  if (row > 0 && row + 1 < rows && column > 0 && column + 1 < columns && below && above) {
-    const std::ptrdiff_t place = std::ptrdiff_t{row} * columns + column;
-    const std::array<const float*, 3> centres{below->samples->values.data() + place,
-                                              layer.samples->values.data() + place,
-                                              above->samples->values.data() + place};
-    for (std::size_t e = 0; e < kLatticeEdges; ++e) {
-      const LatticeStep& step = kLatticeSteps[e];
-      star.value[e] = centres[static_cast<std::size_t>(step.k + 1)][step.j * columns + steps[e]];
-    }
-    star.there = kAllEdges;
-    return star;
-  }
   star.there = 0;
+  const auto& steps = kColumnStep[layer_.shifted(row) ? 1 : 0];
   for (std::size_t e = 0; e < kLatticeEdges; ++e) {
     const LatticeStep& step = kLatticeSteps[e];
-    const CutLayer* other = layer_at(layer, below, above, step.k);
+    const CutLayer* other = around_[static_cast<std::size_t>(step.k + 1)];
     const int j = row + step.j;
     const int i = column + steps[e];
-    if (!other || j < 0 || j >= rows || i < 0 || i >= columns) {
+    if (!other || j < 0 || j >= layer_.samples->rows || i < 0 || i >= layer_.samples->columns) {
       star.value[e] = star.centre;
       continue;
     }
@@ -87,6 +78,7 @@ Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above
 }
 
 EdgeMask first_cluster(EdgeMask near) {
+  if ((near & (near - 1)) == 0) return near;
   static const std::vector<EdgeMask> table = [] {
     std::vector<EdgeMask> all(kAllEdges + 1);
     for (std::size_t mask = 1; mask < all.size(); ++mask) {
@@ -114,14 +106,28 @@ std::int32_t vertex_of(const CutSample& sample, int edge) {
     const bool kept = (cluster & sample.kept) != 0;
     if (has_edge(cluster, edge)) {
       const auto before = static_cast<EdgeMask>(cluster & (edge_bit(edge) - 1));
-      return kept ? vertex : vertex + std::popcount(before);
+      return kept ? vertex : vertex + count_ones(before);
     }
-    vertex += kept ? 1 : std::popcount(cluster);
+    vertex += kept ? 1 : count_ones(cluster);
     rest = static_cast<EdgeMask>(rest & ~cluster);
   }
 }
 
-bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star) {
+namespace {
+
+// Edges of the link from a vertex of a cluster, `x`, to one that is not in it, `y`, in the order around the cluster.
+struct Ring {
+  struct Step {
+    std::int8_t x = 0;
+    std::int8_t y = 0;
+  };
+  static constexpr std::size_t kMostSteps = 36;
+
+  int length = 0;  // 0 where they are not one circle, since the patch is not a disc
+  std::array<Step, kMostSteps> steps;
+};
+
+Ring ring_around(EdgeMask cluster) {
   const auto outside = static_cast<EdgeMask>(~cluster & kAllEdges);
   int crossings = 0;
   int x = -1;
@@ -131,55 +137,91 @@ bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star) {
     if (here > 0) x = e;
     crossings += here;
   }
-  if (x < 0) return false;
+  Ring ring;
+  if (x < 0) return ring;
   int y = std::countr_zero(static_cast<EdgeMask>(kNextEdges[static_cast<std::size_t>(x)] & outside));
+  const int first_x = x;
+  const int first_y = y;
+  int length = 0;
+  do {
+    ring.steps[static_cast<std::size_t>(length++)] = {static_cast<std::int8_t>(x), static_cast<std::int8_t>(y)};
+    const int z = kLeftOf[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)];
+    (has_edge(cluster, z) ? x : y) = z;
+  } while (x != first_x || y != first_y);
+  if (length == crossings) ring.length = length;
+  return ring;
+}
+
+// The rings around all clusters, one after the other.
+class Rings {
+ public:
+  Rings() {
+    begin_.reserve(kAllEdges + 2);
+    for (unsigned mask = 0; mask <= kAllEdges; ++mask) {
+      begin_.push_back(static_cast<std::int32_t>(steps_.size()));
+      const auto cluster = static_cast<EdgeMask>(mask);
+      if (cluster == 0 || first_cluster(cluster) != cluster) continue;
+      const Ring ring = ring_around(cluster);
+      steps_.insert(steps_.end(), ring.steps.begin(), ring.steps.begin() + ring.length);
+    }
+    begin_.push_back(static_cast<std::int32_t>(steps_.size()));
+  }
+
+  std::span<const Ring::Step> around(EdgeMask cluster) const {
+    const auto begin = static_cast<std::size_t>(begin_[cluster]);
+    return std::span(steps_).subspan(begin, static_cast<std::size_t>(begin_[cluster + std::size_t{1}]) - begin);
+  }
+
+ private:
+  std::vector<std::int32_t> begin_;
+  std::vector<Ring::Step> steps_;
+};
+
+}  // namespace
+
+bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star) {
+  static const Rings rings;
+  const std::span<const Ring::Step> ring = rings.around(cluster);
+  if (ring.empty()) return false;
 
   // The diagonal of a quadrilateral leads from a cut of the cluster, OX, past a cut beside it, OY, to PY, which then is
   // on the ring as well. That changes nothing: diagonals go by the handedness of the tetrahedron alone, so that of the
   // two beside the triangle OPY just one has such a diagonal, and PY is met once; and as OX is near O and OY near Y, PY
   // is either near Y, like OY, or near P, and then so is PX, which comes before.
 
-  // The ring: edges of the link from a vertex of the cluster to one that is not. It is one circle if, and only if, the
-  // patch is a disc.
-  constexpr int kBorder = kLatticeEdges;
-  constexpr std::size_t kMostCrossings = 36;
-  std::array<std::int8_t, kMostCrossings> label;  // the sample that the ring's cut is near to
-  std::array<std::int8_t, kMostCrossings> whole;  // the end of the edge from the centre that is cut; else -1
-  int length = 0;
-  const int first_x = x;
-  const int first_y = y;
-  do {
-    const auto xi = static_cast<std::size_t>(x);
-    const auto yi = static_cast<std::size_t>(y);
-    const bool cut_from_centre = has_edge(cut, y);
-    int near = y;
-    if (!has_edge(star.there, y)) {
-      near = kBorder;
-    } else if (!cut_from_centre && nearer_to_first(star.value[xi], star.value[yi], x < y)) {
-      near = x;
-    }
-    label[static_cast<std::size_t>(length)] = static_cast<std::int8_t>(near);
-    whole[static_cast<std::size_t>(length)] = static_cast<std::int8_t>(cut_from_centre ? y : -1);
-    ++length;
-    const int z = kLeftOf[xi][yi];
-    (has_edge(cluster, z) ? x : y) = z;
-  } while (x != first_x || y != first_y);
-  if (length != crossings) return false;
-
+  // Of each cut on the ring: the sample that it is near to, as `label`, and the end of the edge from the centre that is
+  // cut, as `whole`. Each may be met in one run only.
+  constexpr unsigned kBorder = kLatticeEdges;
+  constexpr unsigned kNone = kLatticeEdges + 1;
+  const auto label_of = [&](const Ring::Step& step) {
+    const auto x = static_cast<unsigned>(step.x);
+    const auto y = static_cast<unsigned>(step.y);
+    if (!has_edge(star.there, step.y)) return kBorder;
+    const bool near_x = !has_edge(cut, step.y) && nearer_to_first(star.value[x], star.value[y], x < y);
+    return near_x ? x : y;
+  };
+  const auto whole_of = [&](const Ring::Step& step) {
+    return has_edge(cut, step.y) ? static_cast<unsigned>(step.y) : kNone;
+  };
+  unsigned label_before = label_of(ring.back());
+  unsigned whole_before = whole_of(ring.back());
   unsigned labels = 0;
+  unsigned label_runs = 0;
   unsigned wholes = 0;
-  int label_runs = 0;
-  for (int i = 0; i < length; ++i) {
-    const auto here = static_cast<std::size_t>(i);
-    const auto before = static_cast<std::size_t>(i > 0 ? i - 1 : length - 1);
-    labels |= 1U << label[here];
-    label_runs += label[here] != label[before] ? 1 : 0;
-    if (whole[here] >= 0 && whole[here] != whole[before]) {
-      if ((wholes >> whole[here] & 1U) != 0) return false;
-      wholes |= 1U << whole[here];
-    }
+  unsigned whole_twice = 0;
+  for (const Ring::Step& step : ring) {
+    const unsigned label = label_of(step);
+    labels |= 1U << label;
+    label_runs += label != label_before ? 1U : 0U;
+    label_before = label;
+    const unsigned whole = whole_of(step);
+    const unsigned begins = whole != whole_before ? 1U << whole : 0U;
+    whole_twice |= wholes & begins;
+    wholes |= begins;
+    whole_before = whole;
   }
-  return label_runs >= 3 && label_runs == std::popcount(labels);
+  whole_twice &= ~(1U << kNone);
+  return whole_twice == 0 && label_runs >= 3 && label_runs == static_cast<unsigned>(count_ones(labels));
 }
 
 namespace {
@@ -215,29 +257,37 @@ void mark_edges(const Star& star, CutSample& sample) {
   sample.near = static_cast<EdgeMask>(sample.cut & (farther | (equal & kForward)));
 }
 
-// The change of the field by least squares over the edges, whose normal matrix is diagonal in this lattice. An end that
-// is not of the field is where the straight line through the sample and the opposite end leads.
-std::array<float, 3> change_in(const Star& star, EdgeMask of_field) {
+// The change of the field by least squares over the edges, whose normal matrix is diagonal in this lattice, from the
+// values at their ends.
+std::array<float, 3> change_in(const float* value) {
+  // How the ends of a forward edge differ from those of its opposite.
+  const auto along = [value]<int m, int j, int k>(std::integer_sequence<int, m, j, k>) {
+    constexpr auto kEdge = static_cast<std::size_t>(edge_along({m, j, k}));
+    return value[kEdge] - value[kLatticeEdges - 1 - kEdge];
+  };
+  const float right = along(std::integer_sequence<int, 2, 0, 0>());
+  const float back_left = along(std::integer_sequence<int, -1, 1, 0>());
+  const float back_right = along(std::integer_sequence<int, 1, 1, 0>());
+  const float up_front = along(std::integer_sequence<int, 0, -1, 1>());
+  const float up_left = along(std::integer_sequence<int, -1, 0, 1>());
+  const float up_right = along(std::integer_sequence<int, 1, 0, 1>());
+  const float up_back = along(std::integer_sequence<int, 0, 1, 1>());
+  return {(2.0F * right - back_left + back_right - up_left + up_right) / 16.0F,
+          (back_left + back_right - up_front + up_back) / 8.0F, (up_front + up_left + up_right + up_back) / 8.0F};
+}
+
+// The same where some ends are not of the field: such an end is where the straight line through the sample and the
+// opposite end leads.
+std::array<float, 3> change_at_border(const Star& star, EdgeMask of_field) {
   std::array<float, kLatticeEdges> value;
   std::copy_n(star.value.begin(), kLatticeEdges, value.begin());
-  if (of_field != kAllEdges) {
-    for (int e = 0; e < kLatticeEdges; ++e) {
-      if (has_edge(of_field, e)) continue;
-      const float opposite = star.value[static_cast<std::size_t>(opposite_edge(e))];
-      value[static_cast<std::size_t>(e)] =
-          has_edge(of_field, opposite_edge(e)) ? 2.0F * star.centre - opposite : star.centre;
-    }
+  for (int e = 0; e < kLatticeEdges; ++e) {
+    if (has_edge(of_field, e)) continue;
+    const float opposite = star.value[static_cast<std::size_t>(opposite_edge(e))];
+    value[static_cast<std::size_t>(e)] =
+        has_edge(of_field, opposite_edge(e)) ? 2.0F * star.centre - opposite : star.centre;
   }
-  float m = 0.0F;
-  float j = 0.0F;
-  float k = 0.0F;
-  for (std::size_t e = kFirstForwardEdge; e < kLatticeEdges; ++e) {
-    const float difference = value[e] - value[kLatticeEdges - 1 - e];
-    m += static_cast<float>(kLatticeSteps[e].m) * difference;
-    j += static_cast<float>(kLatticeSteps[e].j) * difference;
-    k += static_cast<float>(kLatticeSteps[e].k) * difference;
-  }
-  return {m / 16.0F, j / 8.0F, k / 8.0F};
+  return change_in(value.data());
 }
 
 // The edges whose ends are samples of the field.
@@ -261,7 +311,7 @@ void cluster_cuts(const Star& star, Clustering clustering, CutLayer& layer, CutS
       sample.single = cluster == sample.near;
       ++layer.vertices;
     } else {
-      layer.vertices += std::popcount(cluster);
+      layer.vertices += count_ones(cluster);
     }
   }
 }
@@ -304,6 +354,7 @@ void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Cl
   layer.vertices = 0;
   std::vector<std::uint64_t> whole_row(static_cast<std::size_t>(words), ~std::uint64_t{0});
   if (columns % 64 != 0) whole_row.back() = (std::uint64_t{1} << (columns % 64)) - 1;
+  const Stars stars(layer, below, above);
   const bool at_end = !below || !above || below->beyond || above->beyond || layer.beyond;
 
   for (int j = 0; j < rows; ++j) {
@@ -334,13 +385,13 @@ void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Cl
         CutSample& sample = layer.cuts.emplace_back();
         sample.row = j;
         sample.column = 64 * w + std::countr_zero(any);
-        const Star star = star_of(layer, below, above, j, sample.column);
+        const Star star = stars.at(j, sample.column);
         mark_edges(star, sample);
         if (at_end || side_row || sample.column <= 1 || sample.column + 2 >= columns) {
           sample.made_up = star.centre == kFarOutside;
-          if (!sample.made_up) sample.change = change_in(star, ends_of_field(star));
+          if (!sample.made_up) sample.change = change_at_border(star, ends_of_field(star));
         } else {
-          sample.change = change_in(star, kAllEdges);
+          sample.change = change_in(star.value.data());
         }
         cluster_cuts(star, clustering, layer, sample);
       }

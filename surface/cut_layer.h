@@ -2,14 +2,27 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
 
 #include "surface/body_centred.h"
 #include "surface/sampled_layer.h"
 
 namespace fathom {
+
+/// std::popcount is a call where the processor need not have the instruction.
+inline std::int32_t count_ones(std::uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555U;
+  bits = (bits & 0x3333333333333333U) + (bits >> 2 & 0x3333333333333333U);
+  bits = (bits + (bits >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<std::int32_t>(bits * 0x0101010101010101U >> 56);
+}
 
 /// Lower than any field: the value of samples that are made up to close the surface. It is cut directly at its
 /// neighbours.
@@ -60,16 +73,7 @@ struct CutLayer {
   const CutSample& cut(int row, int column) const {
     const auto word = static_cast<std::size_t>(row * words + column / 64);
     const std::uint64_t below = active[word] & ((std::uint64_t{1} << (column % 64)) - 1);
-    return cuts[static_cast<std::size_t>(before[word] + ones(below))];
-  }
-
- private:
-  // std::popcount is a call where the processor need not have the instruction.
-  static std::int32_t ones(std::uint64_t bits) {
-    bits -= bits >> 1 & 0x5555555555555555U;
-    bits = (bits & 0x3333333333333333U) + (bits >> 2 & 0x3333333333333333U);
-    bits = (bits + (bits >> 4)) & 0x0F0F0F0F0F0F0F0FU;
-    return static_cast<std::int32_t>(bits * 0x0101010101010101U >> 56);
+    return cuts[static_cast<std::size_t>(before[word] + count_ones(below))];
   }
 };
 
@@ -109,8 +113,53 @@ void mark_inside(CutLayer& layer);
 /// Fills in the rest. `below` and `above` are null where the stack ends; their `inside` is filled in.
 void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Clustering clustering);
 
-/// Values around a sample. `below` and `above` as before.
-Star star_of(const CutLayer& layer, const CutLayer* below, const CutLayer* above, int row, int column);
+/// Values around the samples of a layer. `below` and `above` as before.
+class Stars {
+ public:
+  Stars(const CutLayer& layer, const CutLayer* below, const CutLayer* above);
+
+  Star at(int row, int column) const {
+    const bool inner =
+        has_both_ && row > 0 && row + 1 < layer_.samples->rows && column > 0 && column + 1 < layer_.samples->columns;
+    return inner ? inner_star(row, column) : border_star(row, column);
+  }
+
+ private:
+  Star inner_star(int row, int column) const;
+  Star border_star(int row, int column) const;
+
+  const CutLayer& layer_;
+  std::array<const CutLayer*, 3> around_;
+  std::array<const float*, 3> values_{};
+  bool has_both_;
+};
+
+inline Star Stars::inner_star(int row, int column) const {
+  // In the order of kLatticeSteps. Shifted rows have the ends with m = -1 in the same column, the others one before.
+  const std::ptrdiff_t line = layer_.samples->columns;
+  const std::ptrdiff_t place = row * line + column;
+  const std::ptrdiff_t left = layer_.shifted(row) ? 0 : -1;
+  const float* below = values_[0] + place;
+  const float* here = values_[1] + place;
+  const float* above = values_[2] + place;
+  const float* before = here - line + left;
+  const float* after = here + line + left;
+  Star star;
+  star.centre = *here;
+  star.there = kAllEdges;
+#if defined(__SSE2__)
+  float* value = star.value.data();
+  _mm_store_ps(value, _mm_setr_ps(below[-line], below[left], below[left + 1], below[line]));
+  _mm_store_ps(value + 4, _mm_setr_ps(before[0], before[1], here[-1], here[1]));
+  _mm_store_ps(value + 8, _mm_setr_ps(after[0], after[1], above[-line], above[left]));
+  _mm_store_ps(value + 12, _mm_setr_ps(above[left + 1], above[line], *here, *here));
+#else
+  star.value = {below[-line],    below[left], below[left + 1], below[line], before[0],    before[1],
+                here[-1],        here[1],     after[0],        after[1],    above[-line], above[left],
+                above[left + 1], above[line], *here,           *here};
+#endif
+  return star;
+}
 
 /// Whether the cut of the edge between samples with these values lies nearer to the first; a tie goes to the one that
 /// comes first in the order of the lattice.

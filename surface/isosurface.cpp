@@ -35,14 +35,15 @@ constexpr int kSamplesAtATime = 1 << 22;
 // Makes values small enough for differences; returns whether one is not finite.
 bool clean(std::span<float> values) {
   constexpr float kLargest = 1e30F;
-  constexpr std::uint32_t kExponent = 0x7F800000;
-  std::uint32_t faults = 0;
+  std::uint32_t large = 0;
+  for (const float value : values) large |= std::abs(value) <= kLargest ? 0U : 1U;
+  if (large == 0) return false;
+  bool all_finite = true;
   for (float& value : values) {
-    faults |= (std::bit_cast<std::uint32_t>(value) & kExponent) == kExponent ? 1U : 0U;
-    value = value > kLargest ? kLargest : value;
-    value = value < -kLargest ? -kLargest : value;
+    all_finite = all_finite && std::isfinite(value);
+    value = std::clamp(value, -kLargest, kLargest);
   }
-  return faults != 0;
+  return !all_finite;
 }
 
 // The layers of a lattice around those that are being meshed, each sampled once.
@@ -54,10 +55,14 @@ class LayerWindow {
         layout_(layout),
         reference_from_lattice_(reference_from_lattice),
         centred_(options.mesher.lattice() == Lattice::kBodyCentred),
-        border_(options.cap ? 1 : 0) {}
+        border_(options.cap ? 1 : 0),
+        stack_(static_cast<std::size_t>(layout.layers), nullptr) {}
 
-  /// Layers from `first` to `last - 1`, ready for the meshers. Both may only grow.
-  std::vector<const SampledLayer*> layers(int first, int last) {
+  /// One for each layer; null where there is none now.
+  std::span<const SampledLayer* const> stack() const { return stack_; }
+
+  /// Makes layers from `first` to `last - 1` ready for the mesher. Both may only grow.
+  void move_to(int first, int last) {
     const bool flatten = border_ != 0 && centred_;
     sample_to(std::min(last + (flatten ? 2 : 0), layout_.layers));
     if (flatten) {
@@ -70,12 +75,11 @@ class LayerWindow {
     }
     // Before a layer is flattened the one below it is still looked at; `first` stays far behind.
     for (; low_ < first; ++low_) {
+      stack_[static_cast<std::size_t>(low_)] = nullptr;
       spare_.push_back(std::move(window_.front()));
       window_.pop_front();
     }
-    std::vector<const SampledLayer*> result;
-    for (int k = first; k < last; ++k) result.push_back(&at(k)->samples);
-    return result;
+    for (; ready_ < last; ++ready_) stack_[static_cast<std::size_t>(ready_)] = &at(ready_)->samples;
   }
 
  private:
@@ -144,7 +148,9 @@ class LayerWindow {
   int low_ = 0;  // number of the window's first layer
   int flat_found_ = 0;
   int flattened_ = 0;
+  int ready_ = 0;
   std::deque<BorderedLayer> window_;
+  std::vector<const SampledLayer*> stack_;
   std::vector<BorderedLayer> spare_;  // kept for their memory
 };
 
@@ -152,6 +158,18 @@ int batch_size(const LatticeLayout& layout, const IsosurfaceOptions& options) {
   if (options.batch_layers > 0) return options.batch_layers;
   const double layers = kSamplesAtATime / (static_cast<double>(layout.columns) * layout.rows);
   return static_cast<int>(std::clamp<double>(layers, kFewestLayers, kMostLayers));
+}
+
+// Room for a surface as large as the box's, so that one need not be moved as it grows; memory that is not used in the
+// end is only promised.
+void reserve_for_box(const LatticeLayout& layout, Mesh& mesh) {
+  const auto columns = static_cast<std::size_t>(layout.columns);
+  const auto rows = static_cast<std::size_t>(layout.rows);
+  const auto layers = static_cast<std::size_t>(layout.layers);
+  const std::size_t vertices = 2 * (columns * rows + rows * layers + layers * columns);
+  mesh.vertices.reserve(vertices);
+  mesh.normals.reserve(vertices);
+  mesh.triangles.reserve(2 * vertices);
 }
 
 Error no_crossing(const FieldRows& field, double value) {
@@ -169,25 +187,20 @@ Mesh mesh_field(const FieldRows& field, const LatticeLayout& layout, const Eigen
   MesherOptions mesher = options.mesher;
   mesher.cap_ends = options.cap;
   LayerWindow window(field, layout, reference_from_lattice, options);
-  std::vector<LayerMesh> meshes;
-  std::size_t vertices = 0;
+  StackMesher meshes(window.stack(), mesher);
+  Mesh mesh;
+  reserve_for_box(layout, mesh);
   const int batch = batch_size(layout, options);
   for (int first = 0; first < layout.layers; first += batch) {
     report(progress, static_cast<double>(first) / layout.layers);
     const int last = first + std::min(batch, layout.layers - first);
-    // The mesher takes the first layer it sees for one of parity 0.
-    const int begin = std::max(0, first - kLayerReach) / 2 * 2;
-    const std::vector<const SampledLayer*> stack = window.layers(begin, std::min(last + kLayerReach, layout.layers));
-    for (LayerMesh& mesh : mesh_layers(stack, first - begin, last - begin, mesher)) {
-      vertices += mesh.vertices.size();
-      meshes.push_back(std::move(mesh));
-    }
-    if (vertices > kMostVertices) {
+    window.move_to(std::max(0, first - kLayerReach), std::min(last + kLayerReach, layout.layers));
+    for (const LayerMesh& layer : meshes.mesh_to(last)) append(layer, mesh);
+    if (mesh.vertices.size() > kMostVertices) {
       throw Error("the surface has more than " + std::to_string(kMostVertices) +
                   " vertices; use a larger spacing or a smoother field");
     }
   }
-  Mesh mesh = join(meshes);
   if (mesh.triangles.empty()) throw no_crossing(field, options.value);
   if (reference_from_lattice.linear().determinant() < 0.0) {
     for (Mesh::Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);

@@ -21,6 +21,10 @@ struct LayerMesh {
   bool operator==(const LayerMesh&) const = default;
 };
 
+/// Appends the layer that follows the one that was appended last.
+/// Throws Error when there are more vertices than a 32-bit index can name.
+void append(const LayerMesh& layer, Mesh& mesh);
+
 /// One mesh of successive layers; the last one's triangles refer to no next layer.
 /// Throws Error when there are more vertices than a 32-bit index can name.
 Mesh join(std::span<const LayerMesh* const> layers);

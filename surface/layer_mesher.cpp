@@ -1,8 +1,11 @@
 #include "surface/layer_mesher.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include <opencv2/core/utility.hpp>
 
@@ -17,14 +20,19 @@ namespace {
 class Stack {
  public:
   Stack(std::span<const SampledLayer* const> layers, bool cap_ends)
-      : layers_(layers), size_(static_cast<int>(layers.size())) {
-    if (!cap_ends) return;
-    ends_ = {outside(*layers.front()), outside(*layers.back())};
-  }
+      : layers_(layers), size_(static_cast<int>(layers.size())), capped_(cap_ends) {}
 
-  int low() const { return ends_.empty() ? 0 : -1; }
-  int high() const { return ends_.empty() ? size_ : size_ + 1; }
+  int low() const { return capped_ ? -1 : 0; }
+  int high() const { return capped_ ? size_ + 1 : size_; }
   bool beyond(int k) const { return k < 0 || k >= size_; }
+
+  /// Makes up the layers that close the ends among those from `first` to `last - 1`, of which the ends' own layers are
+  /// there.
+  void make_ends(int first, int last) {
+    if (!capped_) return;
+    if (first < 0 && ends_[0].values.empty()) ends_[0] = outside(*layers_.front());
+    if (last > size_ && ends_[1].values.empty()) ends_[1] = outside(*layers_.back());
+  }
   const SampledLayer* at(int k) const {
     if (k < low() || k >= high()) return nullptr;
     if (beyond(k)) return &ends_[k < 0 ? 0 : 1];
@@ -39,7 +47,8 @@ class Stack {
 
   std::span<const SampledLayer* const> layers_;
   int size_;
-  std::vector<SampledLayer> ends_;
+  bool capped_;
+  std::array<SampledLayer, 2> ends_;
 };
 
 template <typename Work>
@@ -49,12 +58,51 @@ void for_each_layer(int begin, int end, const Work& work) {
   });
 }
 
-// The layers of a stack around those that are being meshed, by their numbers; null outside of the stack.
-class CutLayers {
- public:
-  CutLayers(const Stack& stack, int window) : stack_(stack), layers_(static_cast<std::size_t>(window)) {}
+// Layers that are cut and meshed at a time: enough for all threads, and few enough to stay in the cache.
+constexpr int kLayersAtATime = 32;
 
-  /// Valid for the last `window` of the layers that were begun.
+void clear(LayerMesh& mesh) {
+  mesh.vertices.clear();
+  mesh.normals.clear();
+  mesh.triangles.clear();
+}
+
+// Meshes of the body-centred lattice. The vertices of a layer depend on the cuts of its neighbours, and these on the
+// samples of theirs.
+class TetrahedraLayers {
+ public:
+  TetrahedraLayers(const Stack& stack, const MesherOptions& options, int first)
+      : stack_(stack),
+        placement_(options.placement),
+        clustering_(options.mesher == Mesher::kRegularised ? Clustering::kClusters : Clustering::kNone),
+        layers_(kLayersAtATime + 5),
+        begun_(std::max(stack.low(), first - 2)),
+        cut_(std::max(stack.low(), first - 1)) {}
+
+  // To `meshes` those of layers from `first`, where the last call ended, to `last - 1`; no more than kLayersAtATime.
+  void mesh(int first, int last, std::span<LayerMesh> meshes) {
+    const int begin_to = std::min(stack_.high(), last + 2);
+    for_each_layer(begun_, begin_to, [&](int k) { begin(k); });
+    begun_ = begin_to;
+    const int cut_to = std::min(stack_.high(), last + 1);
+    for_each_layer(cut_, cut_to, [&](int k) { mark_cuts(*at(k), at(k - 1), at(k + 1), clustering_); });
+    cut_ = cut_to;
+    for_each_layer(first, last, [&](int k) {
+      LayerMesh& mesh = meshes[static_cast<std::size_t>(k - first)];
+      clear(mesh);
+      const auto vertices = static_cast<std::size_t>(at(k)->vertices);
+      mesh.vertices.reserve(vertices);
+      mesh.normals.reserve(vertices);
+      mesh.triangles.reserve(5 * vertices / 2);  // about two for each vertex of a closed surface
+      // The made-up layer below the stack has no vertices; its triangles go to the first layer.
+      if (k == 0 && stack_.low() < 0) add_triangles(*at(-1), *at(0), mesh);
+      add_vertices({{at(k - 1), at(k), at(k + 1)}}, placement_, mesh);
+      if (at(k + 1)) add_triangles(*at(k), *at(k + 1), mesh);
+    });
+  }
+
+ private:
+  // Null outside of the stack; valid for the last layers that were begun, as many as there are in `layers_`.
   CutLayer* at(int k) {
     if (k < stack_.low() || k >= stack_.high()) return nullptr;
     return &layers_[static_cast<std::size_t>(k - stack_.low()) % layers_.size()];
@@ -68,51 +116,19 @@ class CutLayers {
     mark_inside(layer);
   }
 
- private:
   const Stack& stack_;
+  VertexPlacement placement_;
+  Clustering clustering_;
   std::vector<CutLayer> layers_;
+  int begun_;
+  int cut_;
 };
 
-// Layers that are cut and meshed at a time: enough for all threads, and few enough to stay in the cache.
-constexpr int kLayersAtATime = 32;
-
-std::vector<LayerMesh> mesh_tetrahedra(const Stack& stack, int first, int last, const MesherOptions& options) {
-  const Clustering clustering = options.mesher == Mesher::kRegularised ? Clustering::kClusters : Clustering::kNone;
-  std::vector<LayerMesh> meshes(static_cast<std::size_t>(last - first));
-  // The vertices of a layer depend on the cuts of its neighbours, and these on the samples of theirs. The made-up layer
-  // below the stack has no vertices; its triangles go to the first layer.
-  CutLayers layers(stack, std::min(last - first, kLayersAtATime) + 5);
-  int begun = std::max(stack.low(), first - 2);
-  int cut = std::max(stack.low(), first - 1);
-  for (int start = first; start < last; start += kLayersAtATime) {
-    const int end = std::min(last, start + kLayersAtATime);
-    const int begin_to = std::min(stack.high(), end + 2);
-    for_each_layer(begun, begin_to, [&](int k) { layers.begin(k); });
-    begun = begin_to;
-    const int cut_to = std::min(stack.high(), end + 1);
-    for_each_layer(cut, cut_to,
-                   [&](int k) { mark_cuts(*layers.at(k), layers.at(k - 1), layers.at(k + 1), clustering); });
-    cut = cut_to;
-    for_each_layer(start, end, [&](int k) {
-      LayerMesh& mesh = meshes[static_cast<std::size_t>(k - first)];
-      const auto vertices = static_cast<std::size_t>(layers.at(k)->vertices);
-      mesh.vertices.reserve(vertices);
-      mesh.normals.reserve(vertices);
-      mesh.triangles.reserve(5 * vertices / 2);  // about two for each vertex of a closed surface
-      if (k == 0 && stack.low() < 0) add_triangles(*layers.at(-1), *layers.at(0), mesh);
-      add_vertices({{layers.at(k - 1), layers.at(k), layers.at(k + 1)}}, options.placement, mesh);
-      if (layers.at(k + 1)) add_triangles(*layers.at(k), *layers.at(k + 1), mesh);
-    });
-  }
-  return meshes;
-}
-
-std::vector<LayerMesh> mesh_cubes(const Stack& stack, int first, int last) {
+void mesh_cubes(const Stack& stack, int first, int last, std::span<LayerMesh> meshes) {
   const auto mesh_layer = [&stack](int k) {
     return cube_layer({{stack.at(k - 1), stack.at(k), stack.at(k + 1), stack.at(k + 2)}},
                       {{stack.beyond(k - 1), stack.beyond(k), stack.beyond(k + 1), stack.beyond(k + 2)}});
   };
-  std::vector<LayerMesh> meshes(static_cast<std::size_t>(last - first));
   for_each_layer(first, last, [&](int k) {
     LayerMesh mesh = mesh_layer(k);
     if (k == 0 && stack.low() < 0) {
@@ -128,19 +144,64 @@ std::vector<LayerMesh> mesh_cubes(const Stack& stack, int first, int last) {
     }
     meshes[static_cast<std::size_t>(k - first)] = std::move(mesh);
   });
-  return meshes;
 }
 
 }  // namespace
+
+class StackMesher::Layers {
+ public:
+  Layers(std::span<const SampledLayer* const> stack, const MesherOptions& options, int first)
+      : stack_(stack, options.cap_ends), next_(first) {
+    if (options.mesher != Mesher::kCubes) tetrahedra_.emplace(stack_, options, first);
+  }
+
+  /// As many as in `meshes`.
+  void mesh_next(std::span<LayerMesh> meshes) {
+    for (std::size_t done = 0; done < meshes.size();) {
+      const std::size_t count = std::min<std::size_t>(kLayersAtATime, meshes.size() - done);
+      const int last = next_ + static_cast<int>(count);
+      stack_.make_ends(next_ - kLayerReach, last + kLayerReach);
+      if (tetrahedra_) {
+        tetrahedra_->mesh(next_, last, meshes.subspan(done, count));
+      } else {
+        mesh_cubes(stack_, next_, last, meshes.subspan(done, count));
+      }
+      next_ = last;
+      done += count;
+    }
+  }
+
+  std::span<const LayerMesh> mesh_to(int last) {
+    assert(last >= next_);
+    const auto count = static_cast<std::size_t>(last - next_);
+    if (meshes_.size() < count) meshes_.resize(count);
+    mesh_next(std::span(meshes_).first(count));
+    return std::span(meshes_).first(count);
+  }
+
+ private:
+  Stack stack_;
+  int next_;
+  std::optional<TetrahedraLayers> tetrahedra_;
+  std::vector<LayerMesh> meshes_;
+};
+
+StackMesher::StackMesher(std::span<const SampledLayer* const> stack, const MesherOptions& options)
+    : layers_(std::make_unique<Layers>(stack, options, 0)) {
+  assert(stack.size() >= 2);
+}
+
+StackMesher::~StackMesher() = default;
+
+std::span<const LayerMesh> StackMesher::mesh_to(int last) { return layers_->mesh_to(last); }
 
 std::vector<LayerMesh> mesh_layers(std::span<const SampledLayer* const> stack, int first, int last,
                                    const MesherOptions& options) {
   assert(0 <= first && first <= last && last <= static_cast<int>(stack.size()));
   assert(stack.size() >= 2);
-  if (first == last) return {};
-  const Stack closed(stack, options.cap_ends);
-  if (options.mesher == Mesher::kCubes) return mesh_cubes(closed, first, last);
-  return mesh_tetrahedra(closed, first, last, options);
+  std::vector<LayerMesh> meshes(static_cast<std::size_t>(last - first));
+  StackMesher::Layers(stack, options, first).mesh_next(meshes);
+  return meshes;
 }
 
 }  // namespace fathom

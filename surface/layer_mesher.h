@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -47,5 +48,27 @@ inline constexpr int kLayerReach = 3;
 /// Runs in parallel; the result does not depend on the number of threads.
 std::vector<LayerMesh> mesh_layers(std::span<const SampledLayer* const> stack, int first, int last,
                                    const MesherOptions& options);
+
+/// The same for a stack that is too deep to be kept: from its first layer on, some layers at a time, without working
+/// anything out twice and in the same memory.
+class StackMesher {
+ public:
+  /// `stack` has an element for each layer, which only need point to layers as mesh_to says.
+  StackMesher(std::span<const SampledLayer* const> stack, const MesherOptions& options);
+  ~StackMesher();
+  StackMesher(const StackMesher&) = delete;
+  StackMesher& operator=(const StackMesher&) = delete;
+
+  /// The meshes of the layers from the end of the last call to `last - 1`; valid until the next call. Layers of the
+  /// stack must be there, and stay where they are, from kLayerReach below the first of these to kLayerReach above the
+  /// last.
+  std::span<const LayerMesh> mesh_to(int last);
+
+ private:
+  friend std::vector<LayerMesh> mesh_layers(std::span<const SampledLayer* const> stack, int first, int last,
+                                            const MesherOptions& options);
+  class Layers;
+  std::unique_ptr<Layers> layers_;
+};
 
 }  // namespace fathom

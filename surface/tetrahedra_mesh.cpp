@@ -15,39 +15,51 @@ using Vector3 = Eigen::Vector3f;
 
 Vector3 as_vector(const std::array<float, 3>& change) { return {change[0], change[1], change[2]}; }
 
+// In the places of Vector4's steps.
+Eigen::Array4f as_array(const Vector3& change) { return {0.0F, change.x(), change.y(), change.z()}; }
+
 // The way in (m, j, k) in which the field changes fastest in the regular lattice, where a half column is 1 and rows and
 // layers are sqrt(2) apart.
 Vector3 steepest(const Vector3& change) { return {change.x(), 0.5F * change.y(), 0.5F * change.z()}; }
 
+// Of each edge, 1 and its step: what counts of a cut, times its share of the edge.
+using Vector4 = Eigen::Array4f;
+const std::array<Vector4, kLatticeEdges> kOneAndStep = [] {
+  std::array<Vector4, kLatticeEdges> list;
+  for (std::size_t e = 0; e < kLatticeEdges; ++e) {
+    const LatticeStep& step = kLatticeSteps[e];
+    list[e] = {1.0F, static_cast<float>(step.m), static_cast<float>(step.j), static_cast<float>(step.k)};
+  }
+  return list;
+}();
+
 // The sum of the ways from a sample to cuts, by the layers to which their edges lead.
 struct CutSum {
-  struct ToLayer {
-    float t = 0.0F;
-    float m = 0.0F;
-    float j = 0.0F;
-  };
-  std::array<ToLayer, 3> to;  // one below, the same, one above
+  // One below, the same, one above: the share and how far along m, j and k.
+  std::array<Vector4, 3> to{Vector4::Zero(), Vector4::Zero(), Vector4::Zero()};
 
-  void add(std::size_t edge, float share) {
-    const LatticeStep& step = kLatticeSteps[edge];
-    ToLayer& layer = to[static_cast<std::size_t>(step.k + 1)];
-    layer.t += share;
-    layer.m += share * static_cast<float>(step.m);
-    layer.j += share * static_cast<float>(step.j);
-  }
+  void add(std::size_t edge, const Vector4& way) { to[static_cast<std::size_t>(kLatticeSteps[edge].k + 1)] += way; }
   void add(const Vector3& way) {
-    to[1].m += way.x();
-    to[1].j += way.y();
-    to[way.z() < 0.0F ? 0U : 2U].t += std::abs(way.z());
+    to[1] += Vector4(0.0F, way.x(), way.y(), 0.0F);
+    to[way.z() < 0.0F ? 0U : 2U][0] += std::abs(way.z());
   }
-  Vector3 in_lattice() const { return {to[0].m + to[1].m + to[2].m, to[0].j + to[1].j + to[2].j, to[2].t - to[0].t}; }
+  void scale(float factor) {
+    for (Vector4& layer : to) layer *= factor;
+  }
+  Vector3 in_lattice() const {
+    return {to[0][1] + to[1][1] + to[2][1], to[0][2] + to[1][2] + to[2][2], to[2][0] - to[0][0]};
+  }
 };
 
 // Makes the vertices of one sample after the other.
 class VertexMaker {
  public:
   VertexMaker(const LayerStar& around, VertexPlacement placement, LayerMesh& mesh)
-      : around_(around), layer_(*around.at(0)), placement_(placement), mesh_(mesh) {
+      : around_(around),
+        layer_(*around.at(0)),
+        stars_(layer_, around.at(-1), around.at(1)),
+        placement_(placement),
+        mesh_(mesh) {
     const CutLayer* below = real(around.at(-1));
     const CutLayer* above = real(around.at(1));
     geometry_ = layer_geometry(*layer_.samples, below ? below->samples : nullptr, above ? above->samples : nullptr,
@@ -66,7 +78,7 @@ class VertexMaker {
   }
 
   void add(const CutSample& sample) {
-    const Star star = star_of(layer_, around_.at(-1), around_.at(1), sample.row, sample.column);
+    const Star star = stars_.at(sample.row, sample.column);
     if (sample.single) {
       add_vertex(sample, star, sample.near);
       return;
@@ -92,7 +104,8 @@ class VertexMaker {
     const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
     const Eigen::Vector3d normal = weigh ? unit(steepest(own_change)) : Eigen::Vector3d::Zero();
     CutSum sum;
-    Vector3 changes = Vector3::Zero();
+    const Vector4 own = as_array(own_change);
+    Vector4 all_changes = Vector4::Zero();
     float weights = 0.0F;
     int count = 0;
     float heights = 0.0F;  // of change . way over all cuts
@@ -102,26 +115,25 @@ class VertexMaker {
       const bool cap = there == kFarOutside;
       // Half as far on made-up edges: some of these lie in the middle of others, and three cuts in line.
       const float t = cap ? kLeastCut / 2 : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
-      const float weight = weigh ? static_cast<float>(bend_weight(star, static_cast<int>(e), normal)) : 1.0F;
       const EdgeEnd end = edge_end(layer_, sample.row, sample.column, static_cast<int>(e));
       const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
-      const Vector3 change =
-          other.made_up ? own_change : Vector3((1.0F - t) * own_change + t * as_vector(other.change));
-      sum.add(e, weight * t);
-      weights += weight;
-      changes += change;
+      const Vector4 change = other.made_up ? own : Vector4((1.0F - t) * own + t * as_array(as_vector(other.change)));
+      all_changes += change;
       ++count;
-      const LatticeStep& step = kLatticeSteps[e];
-      ways_[static_cast<std::size_t>(count - 1)] = {static_cast<float>(step.m) * t, static_cast<float>(step.j) * t,
-                                                    static_cast<float>(step.k) * t};
-      heights += change.dot(ways_[static_cast<std::size_t>(count - 1)]);
+      const Vector4 way = t * kOneAndStep[e];
+      const Vector4 height = change * way;
+      heights += height[1] + (height[2] + height[3]);
+      if (weigh) {
+        const auto weight = static_cast<float>(bend_weight(star, static_cast<int>(e), normal));
+        weights += weight;
+        sum.add(e, (weight * t) * kOneAndStep[e]);
+      } else {
+        weights += 1.0F;
+        sum.add(e, way);
+      }
     }
-    const float scale = 1.0F / weights;
-    for (CutSum::ToLayer& to : sum.to) {
-      to.t *= scale;
-      to.m *= scale;
-      to.j *= scale;
-    }
+    const Vector3 changes(all_changes[1], all_changes[2], all_changes[3]);
+    sum.scale(1.0F / weights);
     if (kRaise && count > 2 && !walls.any()) {
       const float share = 1.0F / static_cast<float>(count);
       const Vector3 mean = share * changes;
@@ -155,14 +167,14 @@ class VertexMaker {
   Eigen::Vector3d place_of(const CutSample& sample, const CutSum& sum) const {
     const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
     const double j = sample.row;
-    Eigen::Vector3d place = geometry_.at(m + double{sum.to[0].m + sum.to[1].m + sum.to[2].m},
-                                         j + double{sum.to[0].j + sum.to[1].j + sum.to[2].j});
+    const Vector3 way_in_lattice = sum.in_lattice();
+    Eigen::Vector3d place = geometry_.at(m + double{way_in_lattice.x()}, j + double{way_in_lattice.y()});
     for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
-      const CutSum::ToLayer& to = sum.to[i];
+      const Vector4& to = sum.to[i];
       const Way& way = way_[i];
-      const double t = to.t;
+      const double t = to[0];
       place += t * way.origin;
-      if (!parallel_) place += (t * m + double{to.m}) * way.per_m + (t * j + double{to.j}) * way.per_j;
+      if (!parallel_) place += (t * m + double{to[1]}) * way.per_m + (t * j + double{to[2]}) * way.per_j;
     }
     return place;
   }
@@ -249,6 +261,7 @@ class VertexMaker {
 
   const LayerStar& around_;
   const CutLayer& layer_;
+  Stars stars_;
   VertexPlacement placement_;
   LayerMesh& mesh_;
   LayerGeometry geometry_;
@@ -256,7 +269,6 @@ class VertexMaker {
   bool parallel_ = false;  // all three layers have the same steps
   bool at_end_ = false;
   Eigen::Matrix3d normal_of_change_;
-  std::array<Vector3, kLatticeEdges> ways_;
 };
 
 }  // namespace
