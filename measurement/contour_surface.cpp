@@ -435,8 +435,7 @@ void ContourSurface::Maker::finish(State& made) const {
   }
   for (const MeshPtr& mesh : made.meshes) meshes.push_back(mesh.get());
   made.mesh = join(meshes);
-  signs.apply(meshes, made.mesh);
-  const double backward = signs.backward_share();
+  const double backward = signs.apply(meshes, made.mesh);
   if (backward > kWorthAWord) {
     made.warnings.push_back(format_real(std::round(100.0 * backward)) +
                             " % of what the sweep passed was passed backward and counts negative");
