@@ -97,18 +97,19 @@ int layers_between(double distance_mm, double spacing_mm) {
   return 2 * std::max(1, static_cast<int>(std::lround(0.5 * distance_mm / spacing_mm)));
 }
 
-std::vector<std::shared_ptr<const SampledLayer>> gap_layers(const ContourLattice& lattice, const PlacedSection& first,
-                                                            const PlacedSection& second, Guide guide, int count) {
-  const SectionGap gap(first, second, guide);
+std::vector<std::shared_ptr<const SampledLayer>> gap_layers(const ContourLattice& lattice, const SectionGap& gap,
+                                                            int count, const CurvedGap* curved) {
+  std::optional<GapBulges> bulges;
+  if (curved) bulges = curved->bulges(grid_of(lattice, 0));
   // What depends on the column alone serves all layers of a parity.
   std::array<std::optional<GapColumns>, 2> columns;
   std::vector<std::shared_ptr<const SampledLayer>> layers;
   for (int k = 1; k < count; ++k) {
     const ColumnGrid grid = grid_of(lattice, k % 2);
     auto& prepared = columns[static_cast<std::size_t>(grid.parity)];
-    if (!prepared) prepared = gap.prepare(grid, 1.0 / count);
+    if (!prepared) prepared = gap.prepare(grid, 1.0 / count, bulges ? &*bulges : nullptr);
     const double u = static_cast<double>(k) / count;
-    auto layer = std::make_shared<SampledLayer>(empty_layer(lattice, first.plane, second.plane, u));
+    auto layer = std::make_shared<SampledLayer>(empty_layer(lattice, gap.first().plane, gap.second().plane, u));
     gap.sample(*prepared, u, layer->values);
     layers.push_back(std::move(layer));
   }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "measurement/curved_gap.h"
 #include "measurement/section_gap.h"
 #include "surface/sampled_layer.h"
 
@@ -41,8 +42,9 @@ SampledLayer section_layer(const ContourLattice& lattice, const PlacedSection& s
 int layers_between(double distance_mm, double spacing_mm);
 
 /// The samples between two sections, without the sections' own layers: `count` - 1 layers, the first of them odd.
-std::vector<std::shared_ptr<const SampledLayer>> gap_layers(const ContourLattice& lattice, const PlacedSection& first,
-                                                            const PlacedSection& second, Guide guide, int count);
+/// `curved`, if not null, is of this gap and makes the interpolation one of second order.
+std::vector<std::shared_ptr<const SampledLayer>> gap_layers(const ContourLattice& lattice, const SectionGap& gap,
+                                                            int count, const CurvedGap* curved = nullptr);
 
 /// Whether the field is inside at the lattice's border, where its surface would be cut open.
 bool touches_border(const SampledLayer& layer);

@@ -13,6 +13,7 @@
 #include "measurement/carried_planes.h"
 #include "measurement/contour_lattice.h"
 #include "measurement/cross_section.h"
+#include "measurement/curved_gap.h"
 #include "measurement/frame_marks.h"
 #include "measurement/lost_frames.h"
 #include "measurement/planimetry.h"
@@ -64,11 +65,17 @@ struct Section {
   }
 };
 
-// The lattice between two sections; shapes are the same while their sections are.
+// The lattice between two sections. Shapes are the same while their sections are, so that they tell whether it is, too.
 struct Gap {
-  std::shared_ptr<const SectionShape> first;
-  std::shared_ptr<const SectionShape> second;
+  using ShapePtr = std::shared_ptr<const SectionShape>;
+
+  std::shared_ptr<const SectionGap> between;
+  std::vector<ShapePtr> beyond;  // the sections before and behind that the samples depend on; null where there is none
   std::vector<LayerPtr> layers;  // the sections' own excluded
+
+  bool is_between(const ShapePtr& first, const ShapePtr& second) const {
+    return between->first().shape == first && between->second().shape == second;
+  }
 };
 
 struct Bounds {
@@ -126,6 +133,9 @@ void ContourSurfaceOptions::check() const {
   if (spacing_mm && !(std::isfinite(*spacing_mm) && *spacing_mm > 0.0)) {
     throw Error("the spacing of a surface must be a positive number of millimetres");
   }
+  if (guide == Guide::kCentroids && order == GapOrder::kCurved) {
+    throw Error("a surface guided by centroids is linear between its outlines; guide it by discs or shapes");
+  }
 }
 
 // All that an update makes is kept in values that the next one shares or replaces, never changes, so that a failed one
@@ -157,6 +167,9 @@ class ContourSurface::Maker {
   void require_gaps(const Structure& structure, const State& made) const;
   void require_memory(const Structure& structure, const State& made) const;
   void make_shapes(State& made) const;
+  void find_gaps(State& made) const;
+  std::vector<int> gaps_to_make(State& made) const;
+  void make_samples(State& made, std::size_t gap) const;
   bool make_layers(State& made, const Progress& progress) const;
   void make_meshes(State& made, const Progress& progress) const;
   void finish(State& made) const;
@@ -277,38 +290,70 @@ void ContourSurface::Maker::make_shapes(State& made) const {
   });
 }
 
+// What leads from section to section, whatever the lattice.
+void ContourSurface::Maker::find_gaps(State& made) const {
+  made.gaps.assign(made.sections.size() - 1, {});
+  cv::parallel_for_(cv::Range(0, static_cast<int>(made.gaps.size())), [&](const cv::Range& range) {
+    for (int index = range.start; index < range.end; ++index) {
+      const auto i = static_cast<std::size_t>(index);
+      const PlacedSection first = made.sections[i].placed();
+      const PlacedSection second = made.sections[i + 1].placed();
+      const auto same = std::find_if(state_.gaps.begin(), state_.gaps.end(),
+                                     [&](const Gap& gap) { return gap.is_between(first.shape, second.shape); });
+      made.gaps[i].between =
+          same != state_.gaps.end() ? same->between : std::make_shared<const SectionGap>(first, second, options_.guide);
+    }
+  });
+  if (options_.order == GapOrder::kLinear) return;
+  for (std::size_t i = 0; i < made.gaps.size(); ++i) {
+    const bool last = i + 1 == made.gaps.size();
+    made.gaps[i].beyond = {i > 0 ? made.sections[i - 1].shape : nullptr, last ? nullptr : made.sections[i + 2].shape};
+  }
+}
+
+// Takes over the samples of those that are the same as before.
+std::vector<int> ContourSurface::Maker::gaps_to_make(State& made) const {
+  std::vector<int> to_make;
+  for (std::size_t i = 0; i < made.gaps.size(); ++i) {
+    Gap& gap = made.gaps[i];
+    const auto same = std::find_if(state_.gaps.begin(), state_.gaps.end(), [&](const Gap& before) {
+      return before.between == gap.between && before.beyond == gap.beyond;
+    });
+    if (made.lattice == state_.lattice && same != state_.gaps.end()) {
+      gap.layers = same->layers;
+    } else {
+      to_make.push_back(static_cast<int>(i));
+    }
+  }
+  return to_make;
+}
+
+void ContourSurface::Maker::make_samples(State& made, std::size_t i) const {
+  Gap& gap = made.gaps[i];
+  const int count = layers_between(distance_between(made.sections[i], made.sections[i + 1]).mean_mm, made.spacing_mm);
+  std::optional<CurvedGap> curved;
+  if (options_.order == GapOrder::kCurved) {
+    curved.emplace(*gap.between, i > 0 ? made.gaps[i - 1].between.get() : nullptr,
+                   i + 1 < made.gaps.size() ? made.gaps[i + 1].between.get() : nullptr);
+  }
+  gap.layers = gap_layers(made.lattice, *gap.between, count, curved ? &*curved : nullptr);
+}
+
 // Returns false when the surface leaves the lattice.
 bool ContourSurface::Maker::make_layers(State& made, const Progress& progress) const {
   const bool same_lattice = made.lattice == state_.lattice;
-  made.gaps.assign(made.sections.size() - 1, {});
-  std::vector<int> gaps_to_make;
-  for (std::size_t i = 0; i + 1 < made.sections.size(); ++i) {
-    const auto& first = made.sections[i].shape;
-    const auto& second = made.sections[i + 1].shape;
-    const auto same = std::find_if(state_.gaps.begin(), state_.gaps.end(),
-                                   [&](const Gap& gap) { return gap.first == first && gap.second == second; });
-    if (same_lattice && same != state_.gaps.end()) {
-      made.gaps[i] = *same;
-    } else {
-      gaps_to_make.push_back(static_cast<int>(i));
-    }
-  }
+  const std::vector<int> to_make = gaps_to_make(made);
 
   // Little by little, so that the listener is asked often enough.
   const int at_once = std::max(1, cv::getNumThreads());
-  for (std::size_t begin = 0; begin < gaps_to_make.size(); begin += static_cast<std::size_t>(at_once)) {
-    report(progress, 0.8 * static_cast<double>(begin) / static_cast<double>(gaps_to_make.size()));
-    const int end = std::min(static_cast<int>(begin) + at_once, static_cast<int>(gaps_to_make.size()));
+  for (std::size_t begin = 0; begin < to_make.size(); begin += static_cast<std::size_t>(at_once)) {
+    report(progress, 0.8 * static_cast<double>(begin) / static_cast<double>(to_make.size()));
+    const int end = std::min(static_cast<int>(begin) + at_once, static_cast<int>(to_make.size()));
     cv::parallel_for_(
         cv::Range(static_cast<int>(begin), end),
         [&](const cv::Range& range) {
           for (int index = range.start; index < range.end; ++index) {
-            const auto i = static_cast<std::size_t>(gaps_to_make[static_cast<std::size_t>(index)]);
-            const Section& first = made.sections[i];
-            const Section& second = made.sections[i + 1];
-            const int count = layers_between(distance_between(first, second).mean_mm, made.spacing_mm);
-            made.gaps[i] = {first.shape, second.shape,
-                            gap_layers(made.lattice, first.placed(), second.placed(), options_.guide, count)};
+            make_samples(made, static_cast<std::size_t>(to_make[static_cast<std::size_t>(index)]));
           }
         },
         at_once);
@@ -318,7 +363,7 @@ bool ContourSurface::Maker::make_layers(State& made, const Progress& progress) c
     section.layer = std::make_shared<SampledLayer>(section_layer(made.lattice, section.placed()));
     ++made.layers_made;
   }
-  for (const int i : gaps_to_make) {
+  for (const int i : to_make) {
     const Gap& gap = made.gaps[static_cast<std::size_t>(i)];
     made.layers_made += static_cast<int>(gap.layers.size());
     for (const LayerPtr& layer : gap.layers) {
@@ -390,8 +435,7 @@ void ContourSurface::Maker::finish(State& made) const {
   }
   for (const MeshPtr& mesh : made.meshes) meshes.push_back(mesh.get());
   made.mesh = join(meshes);
-  signs.apply(meshes, made.mesh);
-  const double backward = signs.backward_share();
+  const double backward = signs.apply(meshes, made.mesh);
   if (backward > kWorthAWord) {
     made.warnings.push_back(format_real(std::round(100.0 * backward)) +
                             " % of what the sweep passed was passed backward and counts negative");
@@ -415,7 +459,10 @@ void ContourSurface::Maker::update(const Structure& structure, const Progress& p
     }
     made.lattice = contour_lattice(lattice, made.spacing_mm, bounds.low, bounds.high, margin);
     require_memory(structure, made);
-    if (margin == kMargin) make_shapes(made);
+    if (margin == kMargin) {
+      make_shapes(made);
+      find_gaps(made);
+    }
     made_layers = make_layers(made, progress);
   }
   make_meshes(made, progress);

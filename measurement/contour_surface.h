@@ -15,15 +15,22 @@
 
 namespace fathom {
 
+/// By how many sections the space between two of them is interpolated.
+enum class GapOrder {
+  kLinear,  ///< the two: what is round comes out a little too small
+  kCurved   ///< those beyond them as well, by CurvedGap: second order; not with Guide::kCentroids
+};
+
 /// How the surface of a structure is made from its contours.
 struct ContourSurfaceOptions {
   Guide guide = Guide::kDiscs;
+  GapOrder order = GapOrder::kLinear;
   MesherOptions mesher;
   /// Distance of the layers of samples and of the rows in them. Empty: an eightieth of the structure's largest extent,
   /// to two digits.
   std::optional<double> spacing_mm;
 
-  /// Throws Error when the spacing is not a positive, finite number.
+  /// Throws Error when the spacing is not a positive, finite number, or guide and order do not go together.
   void check() const;
 };
 
@@ -32,10 +39,10 @@ struct ContourSurfaceOptions {
 ///
 /// Between each two successive outlined frames lies a lattice of samples that starts and ends on the frames' own
 /// planes, with an even number of layers (figure 3.22), so that an edited, added or removed contour moves no other
-/// lattice: only what lies between it and its neighbours is made again, and the result equals, vertex for vertex, the
-/// surface made from scratch. The first and last outlined frames close the surface by flat caps. A frame that is marked
-/// absent ends the structure half-way to its neighbour; such marks before the first and behind the last outline are
-/// passed over.
+/// lattice: only what lies between it and its neighbours (of second order, and their neighbours) is made again, and the
+/// result equals, vertex for vertex, the surface made from scratch. The first and last outlined frames close the
+/// surface by flat caps. A frame that is marked absent ends the structure half-way to its neighbour; such marks before
+/// the first and behind the last outline are passed over.
 ///
 /// Regions that the sweep passed backward have sweep sign -1 (equation (3.12)).
 class ContourSurface {

@@ -23,6 +23,8 @@ constexpr double kRidge = 2.0;
 
 constexpr double kSmallestSize = 1e-6;  // of a bounding box, millimetres: a point has none
 
+constexpr float kMostShare = 0.25F;  // w (1 - w) is no more
+
 constexpr float kNothingThere = -1.0F;  // millimetres, between two absent sections: any value outside
 
 bool is_absent(const PlacedSection& section) { return section.shape->kind() == SectionKind::kAbsent; }
@@ -89,17 +91,36 @@ float SectionGap::along_mm(const Eigen::Vector2d& ab_mm, const Eigen::Vector2d& 
   return d1 + through.second_weight * (d2 - d1);
 }
 
-Eigen::Vector2d SectionGap::correspondence_mm(const Eigen::Vector2d& ab_mm) const {
-  if (!discs_) return Eigen::Vector2d::Zero();
+float SectionGap::bulge_share(const Eigen::Vector2d& ab_mm, double u) const {
+  if (u <= 0.0 || u >= 1.0) return 0.0F;
+  const float rise = static_cast<float>(ahead_slope_.dot(correspondence_mm(ab_mm)));
+  const float weight = line(static_cast<float>(ahead_mm(ab_mm)), rise, static_cast<float>(u)).second_weight;
+  return weight * (1.0F - weight);
+}
+
+std::vector<Eigen::Vector2d> SectionGap::correspondences_mm(const std::vector<Eigen::Vector2d>& ab_mm) const {
+  std::vector<Eigen::Vector2d> vectors(ab_mm.size(), Eigen::Vector2d::Zero());
+  if (!discs_) return vectors;
   DiscGuide::Block block;
-  block.a_mm[0] = static_cast<float>(ab_mm.x());
-  block.b_mm[0] = static_cast<float>(ab_mm.y());
-  block.first_code[0] = first_.shape->code(ab_mm);
-  block.second_code[0] = second_.shape->code(ab_mm);
   std::array<float, DiscGuide::kBlock> ca;
   std::array<float, DiscGuide::kBlock> cb;
-  discs_->correspondence(block, ca, cb);
-  return {ca[0], cb[0]};
+  for (std::size_t from = 0; from < ab_mm.size(); from += DiscGuide::kBlock) {
+    const std::size_t count = std::min(DiscGuide::kBlock, ab_mm.size() - from);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Eigen::Vector2d& ab = ab_mm[from + k];
+      block.a_mm[k] = static_cast<float>(ab.x());
+      block.b_mm[k] = static_cast<float>(ab.y());
+      block.first_code[k] = first_.shape->code(ab);
+      block.second_code[k] = second_.shape->code(ab);
+    }
+    discs_->correspondence(block, ca, cb);
+    for (std::size_t k = 0; k < count; ++k) vectors[from + k] = {ca[k], cb[k]};
+  }
+  return vectors;
+}
+
+Eigen::Vector2d SectionGap::correspondence_mm(const Eigen::Vector2d& ab_mm) const {
+  return correspondences_mm({ab_mm}).front();
 }
 
 // A part and its partner, both scaled to the size that the structure has at u.
@@ -154,48 +175,68 @@ int SectionGap::sweep_sign(const Eigen::Vector2d& ab_mm) const {
 // can be another one.
 float SectionGap::certain_mm(const ColumnGrid& grid, double layer_step, const Eigen::Vector2d& ab_mm,
                              float difference_mm) const {
-  const double longest = discs_->longest_mm();
+  const double longest = longest_mm();
   const double edges = 2.0 * grid.longest_edge_mm();
   const double slope = ahead_slope_.norm();
   const double apart = std::max(0.0, std::abs(ahead_mm(ab_mm)) - slope * edges);
   const double rise = slope * longest;
   const double root = rise > 0.0 ? std::sqrt(apart / (apart + rise)) : 1.0;
   const double weight_off = (1.0 - root) / (1.0 + root);
-  const double cell = std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
-  return static_cast<float>(0.5 * longest + edges + kRidge * cell +
+  return static_cast<float>(certain_mm(grid) +
                             (2.0 * layer_step + weight_off) * (std::abs(difference_mm) + 2.0 * edges));
 }
 
-GapColumns SectionGap::prepare(const ColumnGrid& grid, double layer_step) const {
+double SectionGap::longest_mm() const { return discs_ ? discs_->longest_mm() : 0.0; }
+
+double SectionGap::certain_mm(const ColumnGrid& grid) const {
+  const double cell = std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
+  return 0.5 * longest_mm() + 2.0 * grid.longest_edge_mm() + kRidge * cell;
+}
+
+float SectionGap::least_outside_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const {
+  return is_absent(section) ? -absent_mm_ : section.shape->least_outside_mm(ab_mm);
+}
+
+bool SectionGap::may_cross(const Eigen::Vector2d& ab_mm, double certain_mm) const {
+  if (std::min(least_outside_mm(first_, ab_mm), least_outside_mm(second_, ab_mm)) >= certain_mm) return false;
+  const float d1 = distance_mm(first_, ab_mm);
+  const float d2 = distance_mm(second_, ab_mm);
+  return std::max(d1, d2) > -certain_mm && std::min(d1, d2) < certain_mm;
+}
+
+GapColumns SectionGap::prepare(const ColumnGrid& grid, double layer_step, const GapBulges* bulges) const {
   GapColumns columns;
   columns.grid_ = grid;
+  assert(!bulges || guide_ != Guide::kCentroids);
   if (guide_ == Guide::kCentroids) return columns;
+  if (is_absent(first_) || is_absent(second_)) bulges = nullptr;
   columns.first_mm_.resize(grid.size());
   columns.second_mm_.resize(grid.size());
-  const double longest = discs_ ? discs_->longest_mm() : 0.0;
-  const double cell = std::max(first_.shape->cell_mm(), second_.shape->cell_mm());
-  // Where both distances are beyond this, so is what lies between them, whatever the weights.
-  const auto certain = static_cast<float>(0.5 * longest + 2.0 * grid.longest_edge_mm() + kRidge * cell);
+  const bool straight = longest_mm() == 0.0 && !bulges;
+  const auto certain_linear = static_cast<float>(certain_mm(grid));
   std::vector<Eigen::Vector2d> guided_ab_mm;
   std::size_t at = 0;
   for (int j = 0; j < grid.rows; ++j) {
     const Eigen::Vector2d start = grid.row_start_mm(j);
     for (int i = 0; i < grid.columns; ++i, ++at) {
       const Eigen::Vector2d ab = start + i * grid.column_step_mm;
+      const float most_added = bulges ? kMostShare * bulges->most_near_mm(ab) : 0.0F;
+      const float certain = certain_linear + most_added;
       float& d1 = columns.first_mm_[at];
       float& d2 = columns.second_mm_[at];
-      d1 = is_absent(first_) ? absent_mm_ : -first_.shape->least_outside_mm(ab);
-      d2 = is_absent(second_) ? absent_mm_ : -second_.shape->least_outside_mm(ab);
+      d1 = -least_outside_mm(first_, ab);
+      d2 = -least_outside_mm(second_, ab);
       if (d1 <= -certain && d2 <= -certain) continue;
       d1 = distance_mm(first_, ab);
       d2 = distance_mm(second_, ab);
-      if (longest == 0.0 || std::max(d1, d2) <= -certain || std::min(d1, d2) >= certain) continue;
+      if (straight || std::max(d1, d2) <= -certain || std::min(d1, d2) >= certain) continue;
       GapColumns::Guided guided;
       guided.index = at;
       guided.first_cells = first_.shape->in_cells(ab);
       guided.second_cells = second_.shape->in_cells(ab);
       guided.ahead_mm = static_cast<float>(ahead_mm(ab));
-      guided.certain_mm = certain_mm(grid, layer_step, ab, d2 - d1);
+      guided.certain_mm = certain_mm(grid, layer_step, ab, d2 - d1) + most_added;
+      guided.bulge_mm = bulges ? bulges->at_mm(ab) : 0.0F;
       columns.guided_.push_back(guided);
       guided_ab_mm.push_back(ab);
     }
@@ -205,29 +246,17 @@ GapColumns SectionGap::prepare(const ColumnGrid& grid, double layer_step) const 
 }
 
 void SectionGap::find_correspondences(GapColumns& columns, const std::vector<Eigen::Vector2d>& ab_mm) const {
+  if (!discs_) return;
   const auto first_per_mm = static_cast<float>(1.0 / first_.shape->cell_mm());
   const auto second_per_mm = static_cast<float>(1.0 / second_.shape->cell_mm());
   const Eigen::Vector2f slope = ahead_slope_.cast<float>();
-  DiscGuide::Block block;
-  std::array<float, DiscGuide::kBlock> ca;
-  std::array<float, DiscGuide::kBlock> cb;
-  for (std::size_t from = 0; from < ab_mm.size(); from += DiscGuide::kBlock) {
-    const std::size_t count = std::min(DiscGuide::kBlock, ab_mm.size() - from);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Eigen::Vector2d& ab = ab_mm[from + k];
-      block.a_mm[k] = static_cast<float>(ab.x());
-      block.b_mm[k] = static_cast<float>(ab.y());
-      block.first_code[k] = first_.shape->code(ab);
-      block.second_code[k] = second_.shape->code(ab);
-    }
-    discs_->correspondence(block, ca, cb);
-    for (std::size_t k = 0; k < count; ++k) {
-      GapColumns::Guided& guided = columns.guided_[from + k];
-      const Eigen::Vector2f c(ca[k], cb[k]);
-      guided.c_first_cells = first_per_mm * c;
-      guided.c_second_cells = second_per_mm * c;
-      guided.rise_mm = slope.dot(c);
-    }
+  const std::vector<Eigen::Vector2d> vectors = correspondences_mm(ab_mm);
+  for (std::size_t k = 0; k < vectors.size(); ++k) {
+    GapColumns::Guided& guided = columns.guided_[k];
+    const Eigen::Vector2f c = vectors[k].cast<float>();
+    guided.c_first_cells = first_per_mm * c;
+    guided.c_second_cells = second_per_mm * c;
+    guided.rise_mm = slope.dot(c);
   }
 }
 
@@ -252,7 +281,8 @@ void SectionGap::sample(const GapColumns& columns, double u, std::span<float> ou
     const Line through = line(guided.ahead_mm, guided.rise_mm, weight);
     const float d1 = first_.shape->distance_at_mm(guided.first_cells - through.back * guided.c_first_cells);
     const float d2 = second_.shape->distance_at_mm(guided.second_cells + through.on * guided.c_second_cells);
-    value = d1 + through.second_weight * (d2 - d1);
+    const float w = through.second_weight;
+    value = d1 + w * (d2 - d1) + w * (1.0F - w) * guided.bulge_mm;
   }
 }
 

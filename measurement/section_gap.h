@@ -9,6 +9,7 @@
 
 #include "measurement/column_grid.h"
 #include "measurement/disc_guide.h"
+#include "measurement/gap_bulges.h"
 #include "measurement/section_parts.h"
 #include "measurement/section_plane.h"
 #include "measurement/section_shape.h"
@@ -52,6 +53,7 @@ class GapColumns {
     float ahead_mm = 0.0F;    // of the second plane
     float rise_mm = 0.0F;     // more of it at the end of the vector
     float certain_mm = 0.0F;  // beyond this the sign of the distance interpolated straight across is certain
+    float bulge_mm = 0.0F;    // what interpolation of second order adds, as in GapBulges
   };
 
   ColumnGrid grid_;
@@ -87,8 +89,9 @@ class SectionGap {
   float value_mm(const Eigen::Vector2d& ab_mm, double u) const;
 
   /// Prepares a layer's columns for `sample`: finds the correspondence of every column near the surface. `layer_step`
-  /// is how far apart in u neighbouring layers are, at most.
-  GapColumns prepare(const ColumnGrid& grid, double layer_step = 1.0) const;
+  /// is how far apart in u neighbouring layers are, at most. With `bulges` (of CurvedGap) the interpolation is of
+  /// second order; not for kCentroids.
+  GapColumns prepare(const ColumnGrid& grid, double layer_step = 1.0, const GapBulges* bulges = nullptr) const;
 
   /// The samples of the layer at u, `columns.grid().size()` of them. They equal
   /// `value_mm` wherever a sample within two lattice edges, along the layer or to the next two layers, has another
@@ -107,17 +110,35 @@ class SectionGap {
   /// relative to (a, b). Zero unless the guide is kDiscs.
   Eigen::Vector2d correspondence_mm(const Eigen::Vector2d& ab_mm) const;
 
+  /// The same for many points, faster.
+  std::vector<Eigen::Vector2d> correspondences_mm(const std::vector<Eigen::Vector2d>& ab_mm) const;
+
+  /// By what share of a bulge (GapBulges) interpolation of second order differs from `value_mm`: w (1 - w), w the
+  /// weight of the second section. Not for kCentroids.
+  float bulge_share(const Eigen::Vector2d& ab_mm, double u) const;
+
+  /// Where the distances to both sections are beyond this on the same side, so is all between them: without sign,
+  /// for the samples of a grid and their neighbours.
+  double certain_mm(const ColumnGrid& grid) const;
+
+  /// False where the distances to both sections are beyond `certain_mm` on the same side. Sections that are absent or
+  /// touched at a point are near everywhere.
+  bool may_cross(const Eigen::Vector2d& ab_mm, double certain_mm) const;
+
   /// How far the second plane lies ahead of the first along the average normal.
   double ahead_mm(const Eigen::Vector2d& ab_mm) const { return ahead_at_origin_mm_ + ahead_slope_.dot(ab_mm); }
 
   const PlacedSection& first() const { return first_; }
   const PlacedSection& second() const { return second_; }
+  Guide guide() const { return guide_; }
 
  private:
   struct Line;
   static Line line(float ahead_mm, float rise_mm, float u);
   float along_mm(const Eigen::Vector2d& ab_mm, const Eigen::Vector2d& c_mm, double u) const;
   float distance_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const;
+  double longest_mm() const;
+  float least_outside_mm(const PlacedSection& section, const Eigen::Vector2d& ab_mm) const;
   float certain_mm(const ColumnGrid& grid, double layer_step, const Eigen::Vector2d& ab_mm, float difference_mm) const;
   void find_correspondences(GapColumns& columns, const std::vector<Eigen::Vector2d>& ab_mm) const;
   float part_value_mm(const PartPair& pair, const Eigen::Vector2d& ab_mm, double u) const;

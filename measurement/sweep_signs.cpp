@@ -33,41 +33,31 @@ void SweepSigns::add_gap(const SectionPlane& first, const SectionPlane& second, 
       gap.backward = gap.backward || way <= 0.0;
     }
   }
-  // Each inside sample stands for its share of the way; at the sections for half a share.
-  const double area_mm2 = lattice.column_step_mm() * lattice.row_step_mm();
-  const double share = area_mm2 / static_cast<double>(layers.size() - 1);
-  for (std::size_t k = 0; k < layers.size(); ++k) {
-    const double weight = (k == 0 || k + 1 == layers.size() ? 0.5 : 1.0) * share;
-    const float* value = layers[k]->values.data();
-    for (int j = 0; j < lattice.rows; ++j) {
-      for (int i = 0; i < lattice.columns; ++i) {
-        if (*value++ < 0.0F) continue;
-        const double way = gap.way_at(lattice.at_mm(i, j));
-        (way > 0.0 ? gap.along_mm3 : gap.against_mm3) += weight * std::abs(way);
+  gap.lattice = lattice;
+  gap.layers.assign(layers.begin(), layers.end());
+  gaps_.push_back(std::move(gap));
+}
+
+// Each inside sample stands for its share of the way; at the sections for half a share.
+SweepSigns::Passed SweepSigns::passed() const {
+  Passed passed;
+  for (const Gap& gap : gaps_) {
+    const ContourLattice& lattice = gap.lattice;
+    const double area_mm2 = lattice.column_step_mm() * lattice.row_step_mm();
+    const double share = area_mm2 / static_cast<double>(gap.layers.size() - 1);
+    for (std::size_t k = 0; k < gap.layers.size(); ++k) {
+      const double weight = (k == 0 || k + 1 == gap.layers.size() ? 0.5 : 1.0) * share;
+      const float* value = gap.layers[k]->values.data();
+      for (int j = 0; j < lattice.rows; ++j) {
+        for (int i = 0; i < lattice.columns; ++i) {
+          if (*value++ < 0.0F) continue;
+          const double way = gap.way_at(lattice.at_mm(i, j));
+          (way > 0.0 ? passed.along_mm3 : passed.against_mm3) += weight * std::abs(way);
+        }
       }
     }
   }
-  gaps_.push_back(gap);
-}
-
-bool SweepSigns::along_normals() const {
-  double along = 0.0;
-  double against = 0.0;
-  for (const Gap& gap : gaps_) {
-    along += gap.along_mm3;
-    against += gap.against_mm3;
-  }
-  return along >= against;
-}
-
-double SweepSigns::backward_share() const {
-  double along = 0.0;
-  double against = 0.0;
-  for (const Gap& gap : gaps_) {
-    along += gap.along_mm3;
-    against += gap.against_mm3;
-  }
-  return along + against > 0.0 ? std::min(along, against) / (along + against) : 0.0;
+  return passed;
 }
 
 int SweepSigns::sign_at(const Gap& gap, double u, const Eigen::Vector3d& point_mm) {
@@ -83,16 +73,18 @@ int SweepSigns::sign_at(const Gap& gap, double u, const Eigen::Vector3d& point_m
   return gap.way_at(ab_mm) > 0.0 ? 1 : -1;
 }
 
-void SweepSigns::apply(std::span<const LayerMesh* const> layers, Mesh& mesh) const {
+double SweepSigns::apply(std::span<const LayerMesh* const> layers, Mesh& mesh) const {
   assert(!gaps_.empty() && layers.size() == gaps_.back().last_layer + 1);
   const bool all_forward = std::none_of(gaps_.begin(), gaps_.end(), [](const Gap& gap) { return gap.backward; });
-  if (all_forward) return;
+  if (all_forward) return 0.0;
   const bool all_backward = std::none_of(gaps_.begin(), gaps_.end(), [](const Gap& gap) { return gap.forward; });
   if (all_backward) {
     for (Mesh::Triangle& triangle : mesh.triangles) turn(triangle);
-    return;
+    return 0.0;
   }
-  const int forward = along_normals() ? 1 : -1;
+  // Only here does it matter how much was passed either way: to count it, all samples are looked at.
+  const auto [along_mm3, against_mm3] = passed();
+  const int forward = along_mm3 >= against_mm3 ? 1 : -1;
   mesh.sweep_signs.resize(mesh.triangles.size());
   std::size_t t = 0;
   std::size_t g = 0;
@@ -110,6 +102,8 @@ void SweepSigns::apply(std::span<const LayerMesh* const> layers, Mesh& mesh) con
       mesh.sweep_signs[t] = static_cast<std::int8_t>(sign * forward);
     }
   }
+  const double all_mm3 = along_mm3 + against_mm3;
+  return all_mm3 > 0.0 ? std::min(along_mm3, against_mm3) / all_mm3 : 0.0;
 }
 
 }  // namespace fathom

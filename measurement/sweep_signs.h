@@ -20,12 +20,10 @@ class SweepSigns {
   void add_gap(const SectionPlane& first, const SectionPlane& second, const ContourLattice& lattice,
                std::span<const std::shared_ptr<const SampledLayer>> layers);
 
-  /// The volume passed backward as a share of all that was passed; at most one half.
-  double backward_share() const;
-
   /// `mesh` is the joined mesh of `layers`, whose triangles face outward where the layers run forward along the
-  /// normals: turns those that do not face outward, and sets the sweep signs if there are any.
-  void apply(std::span<const LayerMesh* const> layers, Mesh& mesh) const;
+  /// normals: turns those that do not face outward, and sets the sweep signs if there are any. Returns the volume
+  /// passed backward as a share of all that was passed; at most one half.
+  double apply(std::span<const LayerMesh* const> layers, Mesh& mesh) const;
 
  private:
   // The length of the way along the average normal, affine in (a, b); forward where positive.
@@ -38,13 +36,18 @@ class SweepSigns {
     Eigen::Vector2d way_per_mm = Eigen::Vector2d::Zero();
     bool forward = false;   // somewhere in the lattice
     bool backward = false;  // the same
-    double along_mm3 = 0.0;
-    double against_mm3 = 0.0;
+    ContourLattice lattice;
+    std::vector<std::shared_ptr<const SampledLayer>> layers;
 
     double way_at(const Eigen::Vector2d& ab_mm) const { return way_mm + way_per_mm.dot(ab_mm); }
   };
 
-  bool along_normals() const;
+  // All gaps' ways along their average normals and against them, weighted by what is inside.
+  struct Passed {
+    double along_mm3 = 0.0;
+    double against_mm3 = 0.0;
+  };
+  Passed passed() const;
   static int sign_at(const Gap& gap, double u, const Eigen::Vector3d& point_mm);
 
   std::vector<Gap> gaps_;

@@ -1,6 +1,7 @@
 #include "measurement/contour_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -97,13 +98,18 @@ TEST(ContourSurface, OfABallIsTheStackOfConesThroughItsSections) {
 TEST(ContourSurface, PassesThroughItsContours) {
   const FrameLocator locator = scan_of(turning_sweep(evenly(-9.5, 9.5, 12), 0.01, -0.02), 0.1);
   const Structure structure = ball(locator, kCentre, kRadius);
-  ContourSurface surface(locator, {});
-  const Mesh& mesh = surface.update(structure);
-  for (const Contour& contour : structure.contours) {
-    for (std::size_t i = 0; i < contour.points_px.size(); i += 10) {
-      const Eigen::Vector2d& px = contour.points_px[i];
-      const Eigen::Vector3d point = *locator.reference_from_image(contour.frame) * Eigen::Vector3d(px.x(), px.y(), 0.0);
-      EXPECT_LE(distance_to(mesh, point), 0.5 * surface.spacing_mm()) << "frame " << contour.frame;
+  for (const GapOrder order : {GapOrder::kLinear, GapOrder::kCurved}) {
+    ContourSurfaceOptions options;
+    options.order = order;
+    ContourSurface surface(locator, options);
+    const Mesh& mesh = surface.update(structure);
+    for (const Contour& contour : structure.contours) {
+      for (std::size_t i = 0; i < contour.points_px.size(); i += 10) {
+        const Eigen::Vector2d& px = contour.points_px[i];
+        const Eigen::Vector3d point =
+            *locator.reference_from_image(contour.frame) * Eigen::Vector3d(px.x(), px.y(), 0.0);
+        EXPECT_LE(distance_to(mesh, point), 0.5 * surface.spacing_mm()) << "frame " << contour.frame;
+      }
     }
   }
 }
@@ -182,6 +188,67 @@ TEST(ContourSurface, DoesNotDependOnTheNumberOfThreads) {
     expect_same(one.mesh(), many.mesh());
   }
   cv::setNumThreads(before);
+}
+
+// An edit reaches two gaps on either side of it, and no farther.
+TEST(ContourSurface, OfSecondOrderUpdatedAfterEditsEqualsTheOneMadeAfreshForAnyNumberOfThreads) {
+  const FrameLocator locator = scan_of(turning_sweep(evenly(-9.5, 9.5, 39), 0.01, 0.015), 0.1);
+  Structure structure = ball(locator, kCentre, kRadius, 2);
+  ContourSurfaceOptions options;
+  options.spacing_mm = 0.5;
+  options.order = GapOrder::kCurved;
+  ContourSurface surface(locator, options);
+  surface.update(structure);
+  const int all = surface.layers();
+  const int threads_before = cv::getNumThreads();
+  const auto expect_equal_to_fresh = [&](int threads) {
+    surface.update(structure);
+    EXPECT_LE(surface.layers_made(), 2 * all / 5);
+    cv::setNumThreads(threads);
+    ContourSurface fresh(locator, options);
+    fresh.update(structure);
+    cv::setNumThreads(threads_before);
+    expect_same(surface.mesh(), fresh.mesh());
+    expect_sound(surface.mesh());
+  };
+  const std::vector<Eigen::Vector3d> before = surface.mesh().vertices;
+  structure.contours[8].points_px[10] += Eigen::Vector2d(8.0, 3.0);
+  expect_equal_to_fresh(1);
+  EXPECT_FALSE(surface.mesh().vertices == before);
+  structure.contours.push_back(ball_contour(locator, 11, kCentre, 0.97 * kRadius)[0]);
+  expect_equal_to_fresh(5);
+  structure.contours.pop_back();
+  expect_equal_to_fresh(2);
+  structure.contours.erase(structure.contours.begin());
+  expect_equal_to_fresh(1);
+  const Mesh kept = surface.mesh();
+  structure.contours[4].points_px[0] += Eigen::Vector2d(0.5, 0.0);
+  EXPECT_THROW(surface.update(structure, [](double) { return false; }), Cancelled);
+  expect_same(surface.mesh(), kept);
+  expect_equal_to_fresh(1);
+}
+
+TEST(ContourSurface, OfSecondOrderLosesAboutHalfOfWhatLinearInterpolationCutsOffABall) {
+  const double truth_ml = 4.0 / 3.0 * kPi * std::pow(kRadius, 3) / 1000.0;
+  const FrameLocator locator = scan_of(turning_sweep(planes_through_ball()), 0.1);
+  std::array<double, 2> error{};
+  for (const GapOrder order : {GapOrder::kLinear, GapOrder::kCurved}) {
+    ContourSurfaceOptions options;
+    options.order = order;
+    ContourSurface surface(locator, options);
+    surface.update(ball(locator, kCentre, kRadius));
+    error[static_cast<std::size_t>(order)] = *surface.volume_ml() / truth_ml - 1.0;
+  }
+  EXPECT_NEAR(error[0], -0.0095, 0.002);
+  EXPECT_LT(std::abs(error[1]), 0.55 * std::abs(error[0]));
+}
+
+TEST(ContourSurface, OfSecondOrderIsNotGuidedByCentroids) {
+  const FrameLocator locator = scan_of(turning_sweep(evenly(-9.0, 9.0, 10)), 0.1);
+  ContourSurfaceOptions options;
+  options.guide = Guide::kCentroids;
+  options.order = GapOrder::kCurved;
+  EXPECT_THROW(ContourSurface(locator, options), Error);
 }
 
 TEST(ContourSurface, KeepsItsVolumeTenMetresAwayAndTurned) {

@@ -14,17 +14,18 @@ namespace fathom {
 namespace {
 
 using stacks::ellipse;
+using stacks::ellipsoid;
+using stacks::every;
+using stacks::kEllipsoidStack;
+using stacks::kYStack;
 using stacks::Likeness;
+using stacks::oblique_tube;
 using stacks::Outlines;
 using stacks::plane_at;
 using stacks::shape_of;
 using stacks::Stack;
-
-std::vector<double> every(double first, double last, double step) {
-  std::vector<double> places;
-  for (double z = first; z <= last + 1e-9; z += step) places.push_back(z);
-  return places;
-}
+using stacks::tube_stack;
+using stacks::y_tube;
 
 struct Orders {
   Likeness linear;
@@ -74,32 +75,6 @@ Orders both_orders(const Outlines& object, const Stack& stack) {
   return {likeness(0), likeness(1)};
 }
 
-std::vector<Polygon> ellipsoid(double z) {
-  const double square = 1.0 - z * z / 2500.0;
-  if (square <= 0.0) return {};
-  return {ellipse(0.0, 0.0, 40.0 * std::sqrt(square), 30.0 * std::sqrt(square))};
-}
-const Stack kEllipsoidStack{every(-40.0, 40.0, 10.0), 0.5, {-42.0, -32.0}, {42.0, 32.0}, 0.5};
-
-std::vector<Polygon> oblique_tube(double z) { return {ellipse(20.0 + 3.0 * z, 30.0, 12.3, 12.3)}; }
-const Stack kTubeStack{every(0.0, 48.0, 8.0), 1.0, {0.0, 10.0}, {190.0, 50.0}, 1.0};
-
-std::vector<Polygon> y_tube(double z) {
-  if (z <= 40.0) return {ellipse(0.0, 0.0, 6.0, 6.0)};
-  const double aside = (z - 40.0) / 50.0 * 25.0;
-  if (aside >= 4.5) return {ellipse(-aside, 0.0, 4.5, 4.5), ellipse(aside, 0.0, 4.5, 4.5)};
-  Polygon both;
-  const double open = std::acos(aside / 4.5);
-  for (const double side : {1.0, -1.0}) {
-    for (int i = 0; i <= 100; ++i) {
-      const double angle = -(std::numbers::pi - open) + 2.0 * (std::numbers::pi - open) * i / 100;
-      both.emplace_back(side * (aside + 4.5 * std::cos(angle)), side * 4.5 * std::sin(angle));
-    }
-  }
-  return {both};
-}
-const Stack kYStack{every(0.0, 90.0, 10.0), 0.25, {-32.0, -8.0}, {32.0, 8.0}, 0.25};
-
 Stack coarse(Stack stack, double step_mm) {
   stack.step_mm = step_mm;
   return stack;
@@ -113,7 +88,7 @@ TEST(CurvedGap, HasTheVolumeOfAnEllipsoidToHalfAPercent) {
 }
 
 TEST(CurvedGap, LeavesWhatIsStraightAndWhatBranchesAsItIs) {
-  const Orders tube = both_orders(oblique_tube, coarse(kTubeStack, 2.0));
+  const Orders tube = both_orders(oblique_tube, coarse(tube_stack(8.0), 2.0));
   EXPECT_NEAR(tube.curved.dice, tube.linear.dice, 0.003);
   const Orders branches = both_orders(y_tube, coarse(kYStack, 0.5));
   EXPECT_GE(branches.curved.dice, branches.linear.dice - 0.003);
@@ -171,7 +146,7 @@ TEST(CurvedGapStudy, DiceAndVolumeOfBothOrders) {
       {"ellipsoid, every 10 mm", ellipsoid, kEllipsoidStack},
       {"sphere of 36 px, every 8 slices", sphere(36.0), {every(-32.0, 32.0, 8.0), 0.5, {-38, -38}, {38, 38}, 0.5}},
       {"sphere of 20 mm, 20 planes", sphere(20.0), {twenty, 0.25, {-21, -21}, {21, 21}, 0.25}},
-      {"oblique tube, every 8 slices", oblique_tube, kTubeStack},
+      {"oblique tube, every 8 slices", oblique_tube, tube_stack(8.0)},
       {"Y tube, every 10 mm", y_tube, kYStack}};
   std::printf("| object | linear: Dice, volume %% | second order |\n");
   for (const Case& c : cases) {

@@ -47,6 +47,42 @@ struct Stack {
   double step_mm = 1.0;  ///< voxels, along all axes
 };
 
+inline std::vector<double> every(double first, double last, double step) {
+  std::vector<double> places;
+  for (double z = first; z <= last + 1e-9; z += step) places.push_back(z);
+  return places;
+}
+
+/// Radius 12.3 px, its centre moves 3 px per slice.
+inline std::vector<Polygon> oblique_tube(double z) { return {ellipse(20.0 + 3.0 * z, 30.0, 12.3, 12.3)}; }
+inline Stack tube_stack(double step) { return {every(0.0, 48.0, step), 1.0, {0.0, 10.0}, {190.0, 50.0}, 1.0}; }
+
+/// Semi-axes 40, 30 and 50 mm.
+inline std::vector<Polygon> ellipsoid(double z) {
+  const double square = 1.0 - z * z / 2500.0;
+  if (square <= 0.0) return {};
+  return {ellipse(0.0, 0.0, 40.0 * std::sqrt(square), 30.0 * std::sqrt(square))};
+}
+inline const Stack kEllipsoidStack{every(-40.0, 40.0, 10.0), 0.5, {-42.0, -32.0}, {42.0, 32.0}, 0.5};
+
+/// A trunk of radius 6 mm to z = 40, then two branches of 4.5 mm that reach +-25 mm at z = 90.
+inline std::vector<Polygon> y_tube(double z) {
+  if (z <= 40.0) return {ellipse(0.0, 0.0, 6.0, 6.0)};
+  const double aside = (z - 40.0) / 50.0 * 25.0;
+  // Branches that still overlap are one outline: the union of two circles.
+  if (aside >= 4.5) return {ellipse(-aside, 0.0, 4.5, 4.5), ellipse(aside, 0.0, 4.5, 4.5)};
+  Polygon both;
+  const double open = std::acos(aside / 4.5);
+  for (const double side : {1.0, -1.0}) {
+    for (int i = 0; i <= 100; ++i) {
+      const double angle = -(std::numbers::pi - open) + 2.0 * (std::numbers::pi - open) * i / 100;
+      both.emplace_back(side * (aside + 4.5 * std::cos(angle)), side * 4.5 * std::sin(angle));
+    }
+  }
+  return {both};
+}
+inline const Stack kYStack{every(0.0, 90.0, 10.0), 0.25, {-32.0, -8.0}, {32.0, 8.0}, 0.25};
+
 struct Likeness {
   double dice = 0.0;
   double volume_error = 0.0;  ///< relative to the true volume between the outer sections, by the same voxels

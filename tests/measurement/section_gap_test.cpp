@@ -13,48 +13,19 @@ namespace fathom {
 namespace {
 
 using stacks::ellipse;
+using stacks::ellipsoid;
+using stacks::every;
+using stacks::kEllipsoidStack;
+using stacks::kYStack;
 using stacks::Likeness;
+using stacks::oblique_tube;
 using stacks::Outlines;
 using stacks::plane_at;
 using stacks::reconstruct;
 using stacks::shape_of;
 using stacks::Stack;
-
-std::vector<double> every(double first, double last, double step) {
-  std::vector<double> places;
-  for (double z = first; z <= last + 1e-9; z += step) places.push_back(z);
-  return places;
-}
-
-// Radius 12.3 px, its centre moves 3 px per slice.
-std::vector<Polygon> oblique_tube(double z) { return {ellipse(20.0 + 3.0 * z, 30.0, 12.3, 12.3)}; }
-Stack tube_stack(double step) { return {every(0.0, 48.0, step), 1.0, {0.0, 10.0}, {190.0, 50.0}, 1.0}; }
-
-// Semi-axes 40, 30 and 50 mm.
-std::vector<Polygon> ellipsoid(double z) {
-  const double square = 1.0 - z * z / 2500.0;
-  if (square <= 0.0) return {};
-  return {ellipse(0.0, 0.0, 40.0 * std::sqrt(square), 30.0 * std::sqrt(square))};
-}
-const Stack kEllipsoidStack{every(-40.0, 40.0, 10.0), 0.5, {-42.0, -32.0}, {42.0, 32.0}, 0.5};
-
-// A trunk of radius 6 mm to z = 40, then two branches of 4.5 mm that reach +-25 mm at z = 90.
-std::vector<Polygon> y_tube(double z) {
-  if (z <= 40.0) return {ellipse(0.0, 0.0, 6.0, 6.0)};
-  const double aside = (z - 40.0) / 50.0 * 25.0;
-  // Branches that still overlap are one outline: the union of two circles.
-  if (aside >= 4.5) return {ellipse(-aside, 0.0, 4.5, 4.5), ellipse(aside, 0.0, 4.5, 4.5)};
-  Polygon both;
-  const double open = std::acos(aside / 4.5);
-  for (const double side : {1.0, -1.0}) {
-    for (int i = 0; i <= 100; ++i) {
-      const double angle = -(std::numbers::pi - open) + 2.0 * (std::numbers::pi - open) * i / 100;
-      both.emplace_back(side * (aside + 4.5 * std::cos(angle)), side * 4.5 * std::sin(angle));
-    }
-  }
-  return {both};
-}
-const Stack kYStack{every(0.0, 90.0, 10.0), 0.25, {-32.0, -8.0}, {32.0, 8.0}, 0.25};
+using stacks::tube_stack;
+using stacks::y_tube;
 
 // A bladder and a prostate beside it, 3 mm apart, that both shift by 17 mm from one plane to the next: on the second
 // plane the prostate lies where the bladder was on the first.
