@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace fathom {
 
@@ -8,5 +9,8 @@ namespace fathom {
 /// element of R^T R - I is larger than 1e-3, as trackers' files state matrices with four to six digits, and det R > 0.
 /// False where R has a number that is not finite.
 bool is_rigid(const Eigen::Matrix4d& matrix);
+
+/// The rigid motion whose rotation is nearest to the upper left part of a matrix that is_rigid.
+Eigen::Isometry3d nearest_rigid(const Eigen::Matrix4d& matrix);
 
 }  // namespace fathom

@@ -35,20 +35,26 @@ Eigen::Matrix4d matrix_of(const tinyxml2::XMLElement& transform, const std::stri
 
 }  // namespace
 
-std::optional<Eigen::Matrix4d> plus_transform(const std::string& xml, const std::string& from, const std::string& to,
-                                              const std::string& file) {
+const tinyxml2::XMLElement& parse_plus_xml(tinyxml2::XMLDocument& document, const std::string& xml,
+                                           const std::string& file) {
   require_moderate(xml, file);
-  tinyxml2::XMLDocument document;
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
     throw Error(file + ": is not valid XML (line " + std::to_string(document.ErrorLineNum()) +
                 "); check that the file is complete");
   }
   const tinyxml2::XMLElement* root = document.RootElement();
   if (root == nullptr) throw Error(file + ": is XML without any element; check that it is the right file");
+  return *root;
+}
+
+std::optional<Eigen::Matrix4d> plus_transform(const std::string& xml, const std::string& from, const std::string& to,
+                                              const std::string& file) {
+  tinyxml2::XMLDocument document;
+  const tinyxml2::XMLElement& root = parse_plus_xml(document, xml, file);
   const std::string what = file + ": the transform from " + from + " to " + to;
   std::optional<Eigen::Matrix4d> found;
   for (const char* name : kSections) {
-    for (auto* section = root->FirstChildElement(name); section; section = section->NextSiblingElement(name)) {
+    for (auto* section = root.FirstChildElement(name); section; section = section->NextSiblingElement(name)) {
       for (auto* transform = section->FirstChildElement("Transform"); transform;
            transform = transform->NextSiblingElement("Transform")) {
         if (!transform->Attribute("From", from.c_str()) || !transform->Attribute("To", to.c_str())) continue;

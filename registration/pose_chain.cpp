@@ -5,8 +5,6 @@
 #include <deque>
 #include <map>
 
-#include <Eigen/SVD>
-
 #include "acquisition/header_text.h"
 #include "acquisition/rigid.h"
 
@@ -18,12 +16,7 @@ Eigen::Isometry3d orthonormal(const Eigen::Matrix4d& matrix, const std::string& 
   if (!matrix.allFinite() || !is_rigid(matrix)) {
     throw Error(what + " is not a rigid motion; record again, or mark the frame invalid");
   }
-  const Eigen::Matrix3d linear = matrix.topLeftCorner<3, 3>();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = svd.matrixU() * svd.matrixV().transpose();
-  pose.translation() = matrix.topRightCorner<3, 1>();
-  return pose;
+  return nearest_rigid(matrix);
 }
 
 bool knows_coordinates(const RecordingHeader& header, const std::string& name) {
