@@ -147,8 +147,9 @@ void compare_quality(int size) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 7;
+  const int most_rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 40;
   for (const int size : {128, 256}) {
+    const int rounds = std::max(1, most_rounds * 128 / size);
     for (const bool bumpy : {false, true}) {
       const Volume volume = benchmarks::ball_volume(size, bumpy);
       const vtkNew<vtkImageData> image = image_of(volume);

@@ -7,8 +7,11 @@ import subprocess
 
 from program import complaint_about_error, ordinary_user, run_script, tree
 from recording_file import MetaImage
+from surfaces import Grid, ball
 
 MIB = 1 << 20
+# Commands that write less than what a small disk holds.
+SMALL = ("convert to compressed mha", "convert to compressed nrrd", "segment", "surface", "isosurface", "eqnsurf")
 
 
 class Writes:
@@ -19,6 +22,9 @@ class Writes:
         self.scan = folder / "source" / "scan.mha"
         self.scan.parent.mkdir()
         program.must_run("simulate", "--object", "sphere", "--pattern", "linear", "--frames", 8, "--out", self.scan)
+        grid = Grid((12, 11, 10), (1, 1, 1))
+        self.volume = self.scan.with_name("volume.mha")
+        self.volume.write_bytes(grid.volume(ball(grid.middle(), 3.5)))
 
     def commands(self, out):
         simulate = ["simulate", "--object", "cone", "--pattern", "linear", "--frames", 12]
@@ -30,13 +36,19 @@ class Writes:
             "convert to nrrd": ["convert", self.scan, out / "d.nrrd"],
             "convert to compressed nrrd": ["convert", "--compress", self.scan, out / "e.nrrd"],
             "segment": ["segment", self.scan, "--threshold", 128, "--out", out / "f.json"],
+            "surface": ["surface", self.scan, "--calibration", self.scan.with_name("scan.calibration.json"),
+                        "--contours", self.scan.with_name("scan.contours.json"), "--out", out / "g.ply"],
+            "isosurface": ["isosurface", self.volume, "--value", 0, "--out", out / "h.stl"],
+            "eqnsurf": ["eqnsurf", "x^2+y^2+z^2-1", "--bounds", "-2,2,-2,2,-2,2", "--spacing", 0.2, "--out",
+                        out / "i.obj"],
         }
 
     def old_files(self, out):
         """Puts a short file in the place of everything that the commands would write."""
         out.mkdir(exist_ok=True)
         for name in ("simulated.mha", "simulated.calibration.json", "simulated.truth.json", "simulated.contours.json",
-                     "a.mha", "b.mha", "c.mhd", "c.raw", "d.nrrd", "e.nrrd", "f.json"):
+                     "a.mha", "b.mha", "c.mhd", "c.raw", "d.nrrd", "e.nrrd", "f.json", "g.ply",
+                     "h.stl", "i.obj"):
             (out / name).write_text(f"old {name}\n")
 
 
@@ -74,7 +86,7 @@ def full_disk(program, folder, tally, writes):
     try:
         writes.old_files(out)
         for name, arguments in writes.commands(out).items():
-            if "compress" not in name and name != "segment":  # those two are small enough
+            if name not in SMALL:
                 must_fail(program, tally, f"{name}, disk too small", out, arguments)
         with open(out / "filler", "wb", buffering=0) as filler:
             try:
@@ -94,7 +106,7 @@ def limited_file_size(program, folder, tally, writes):
     for name, arguments in writes.commands(out).items():
         must_fail(program, tally, f"{name}, files limited to 2 kB", out, arguments, max_file_bytes=2000)
     for name, arguments in writes.commands(out).items():
-        if "compress" not in name and name != "segment":
+        if name not in SMALL:
             must_fail(program, tally, f"{name}, files limited to 300 kB", out, arguments, max_file_bytes=300_000)
 
 
