@@ -19,7 +19,7 @@ namespace {
 using namespace fathom;
 
 constexpr int kSections = 20;
-constexpr double kSpacingMm = 0.78;  // for 40 000 triangles
+constexpr double kSpacingMm = 0.84;  // for 40 000 triangles
 constexpr double kCellMm = 0.5 * kSpacingMm;
 
 // A bent body of 70 by 60 by 95 mm, at a place along the sweep: an outline with a bay on one side, of 150 points.

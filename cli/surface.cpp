@@ -35,6 +35,11 @@ const std::map<std::string, Guide>& guides() {
   return by_name;
 }
 
+const std::map<std::string, GapOrder>& orders() {
+  static const std::map<std::string, GapOrder> by_name = {{"linear", GapOrder::kLinear}, {"curved", GapOrder::kCurved}};
+  return by_name;
+}
+
 std::vector<Structure> chosen_structures(const SurfaceCommand& command) {
   std::vector<Structure> structures = read_contours(command.contours);
   if (structures.empty()) throw Error(command.contours + ": holds no structure; outline one first");
@@ -97,6 +102,7 @@ MeshReport make_surface(const SurfaceCommand& command, const Structure& structur
 }
 
 void run(const SurfaceCommand& command) {
+  command.surface.check();
   require_mesh_name(command.out);
   const auto recording = open_recording(command.recording);
   const Calibration calibration = read_calibration(command.calibration, command.names.probe);
@@ -157,6 +163,12 @@ void add_surface(CLI::App& app) {
                    "What guides the interpolation between outlines: disc, shape or centroid")
       ->transform(CLI::CheckedTransformer(guides()).description("disc|shape|centroid"))
       ->default_str("disc");
+  command
+      ->add_option("--order", options->surface.order,
+                   "linear: between two outlines; curved: by those beyond them as well, for round structures on few "
+                   "frames")
+      ->transform(CLI::CheckedTransformer(orders()).description("linear|curved"))
+      ->default_str("linear");
   add_mesher_options(*command, options->surface.mesher);
   command
       ->add_option("--spacing-mm", options->surface.spacing_mm,

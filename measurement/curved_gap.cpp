@@ -21,7 +21,7 @@ constexpr float kMostBulge = 1.0F;
 constexpr float kMostBulgePerGap = 2.0F;
 
 // Nodes are this many column steps of the lattice apart.
-constexpr double kNodeSteps = 2.0;
+constexpr double kNodeSteps = 4.0;
 
 bool is_absent(const PlacedSection& section) { return section.shape->kind() == SectionKind::kAbsent; }
 

@@ -64,6 +64,7 @@ void GapBulges::find_most() {
     return most;
   };
   most_mm = spread(spread(values_mm, 1, 0), 0, 1);
+  largest_mm = *std::max_element(most_mm.begin(), most_mm.end());
 }
 
 }  // namespace fathom

@@ -20,6 +20,7 @@ struct GapBulges {
   int rows = 0;
   std::vector<float> values_mm;  ///< row by row; half-way between the planes a quarter of this is added
   std::vector<float> most_mm;    ///< the largest magnitude within two nodes of each
+  float largest_mm = 0.0F;       ///< the largest magnitude of all
 
   std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
@@ -31,7 +32,7 @@ struct GapBulges {
   /// No value within `pitch_mm` of the point along either axis has a larger magnitude.
   float most_near_mm(const Eigen::Vector2d& ab_mm) const;
 
-  /// Fills in `most_mm` from the values.
+  /// Fills in `most_mm` and `largest_mm` from the values.
   void find_most();
 };
 

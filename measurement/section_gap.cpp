@@ -214,21 +214,22 @@ GapColumns SectionGap::prepare(const ColumnGrid& grid, double layer_step, const 
   columns.second_mm_.resize(grid.size());
   const bool straight = longest_mm() == 0.0 && !bulges;
   const auto certain_linear = static_cast<float>(certain_mm(grid));
+  const float certain_anywhere = certain_linear + (bulges ? kMostShare * bulges->largest_mm : 0.0F);
   std::vector<Eigen::Vector2d> guided_ab_mm;
   std::size_t at = 0;
   for (int j = 0; j < grid.rows; ++j) {
     const Eigen::Vector2d start = grid.row_start_mm(j);
     for (int i = 0; i < grid.columns; ++i, ++at) {
       const Eigen::Vector2d ab = start + i * grid.column_step_mm;
-      const float most_added = bulges ? kMostShare * bulges->most_near_mm(ab) : 0.0F;
-      const float certain = certain_linear + most_added;
       float& d1 = columns.first_mm_[at];
       float& d2 = columns.second_mm_[at];
       d1 = -least_outside_mm(first_, ab);
       d2 = -least_outside_mm(second_, ab);
-      if (d1 <= -certain && d2 <= -certain) continue;
+      if (d1 <= -certain_anywhere && d2 <= -certain_anywhere) continue;
       d1 = distance_mm(first_, ab);
       d2 = distance_mm(second_, ab);
+      const float most_added = bulges ? kMostShare * bulges->most_near_mm(ab) : 0.0F;
+      const float certain = certain_linear + most_added;
       if (straight || std::max(d1, d2) <= -certain || std::min(d1, d2) >= certain) continue;
       GapColumns::Guided guided;
       guided.index = at;
