@@ -12,6 +12,7 @@ void add_eqnsurf(CLI::App& app);
 void add_info(CLI::App& app);
 void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
+void add_reconstruct(CLI::App& app);
 void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_surface(CLI::App& app);

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   fathom::add_segment(app);
   fathom::add_measure(app);
   fathom::add_surface(app);
+  fathom::add_reconstruct(app);
   fathom::add_isosurface(app);
   fathom::add_eqnsurf(app);
   fathom::add_demo(app);
