@@ -15,7 +15,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double kMostUsualMm = 3.0;  // rms distance beyond which points belong to another phantom
+constexpr double kMostUsualMm = 1.0;  // rms distance beyond which points belong to another phantom; good sweeps: 0.5
 
 // Points of one pattern in one frame, by wire.
 using Triple = std::array<const WirePoint*, 3>;
@@ -47,7 +47,7 @@ std::optional<Eigen::Vector3d> middle_point(const NPattern& pattern, const Tripl
 Eigen::Vector3d direction_of(const Wire& wire) { return (wire.back - wire.front).normalized(); }
 
 std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& points, const WirePhantom& phantom,
-                                                double along_weight) {
+                                                const WireCalibrationOptions& options) {
   const auto triples = triples_of(points);
   std::vector<SpatialObservation> observations;
   for (const WirePoint& point : points) {
@@ -62,10 +62,10 @@ std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& po
     observation.rows.row(1) = along.cross(across);
     observation.row_count = 2;
     observation.origin_mm = wire.front;
-    if (point.wire == 1 && along_weight > 0.0) {
+    if (point.wire == 1 && options.along_weight > 0.0) {
       if (const auto middle = middle_point(pattern, triples.at({point.frame, point.pattern}))) {
         observation.origin_mm = *middle;
-        observation.rows.row(2) = along_weight * along;
+        observation.rows.row(2) = options.along_weight * along;
         observation.row_count = 3;
       }
     }
@@ -85,7 +85,7 @@ SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WireP
                                 const WirePhantom& phantom, const WireCalibrationOptions& options) {
   options.check();
   SpatialOptions spatial = options.spatial;
-  const auto observations = observations_of(points, phantom, options.along_weight);
+  const auto observations = observations_of(points, phantom, options);
   std::map<int, int> located;
   for (const auto& observation : observations) {
     if (poses.at(observation.frame, 0.0) && poses.poses()[static_cast<std::size_t>(observation.frame)]) {

@@ -13,7 +13,7 @@ struct WireCalibrationOptions {
   SpatialOptions spatial;
   /// Weight of where along the middle wire its point lies, as the ratio of the three points tells, against distances
   /// to the wires. PLUS's metric counts it fully.
-  double along_weight = 0.5;
+  double along_weight = 1.2;
 
   void check() const;
 };
