@@ -1,0 +1,180 @@
+#include "registration/wire_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include "core/error.h"
+#include "core/numbers.h"
+#include "registration/calibration_start.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kMostUsualMm = 1.0;  // rms distance beyond which points belong to another phantom; good sweeps: 0.5
+
+// Points of one pattern in one frame, by wire.
+using Triple = std::array<const WirePoint*, 3>;
+
+std::map<std::pair<int, std::size_t>, Triple> triples_of(const std::vector<WirePoint>& points) {
+  std::map<std::pair<int, std::size_t>, Triple> triples;
+  for (const WirePoint& point : points) triples[{point.frame, point.pattern}].at(point.wire) = &point;
+  return triples;
+}
+
+// Where the image cuts the middle wire. The lines cut by an image plane from the outer wires and the middle one have
+// the same ratio across the pattern, in the image and in space.
+std::optional<Eigen::Vector3d> middle_point(const NPattern& pattern, const Triple& triple) {
+  if (!triple[0] || !triple[1] || !triple[2]) return std::nullopt;
+  const double width = (triple[2]->position_px - triple[0]->position_px).norm();
+  if (width <= 0.0) return std::nullopt;
+  const double ratio = (triple[1]->position_px - triple[0]->position_px).norm() / width;
+  const Eigen::Vector3d along = (pattern[0].back - pattern[0].front).normalized();
+  const Eigen::Vector3d apart = pattern[2].front - pattern[0].front;
+  const Eigen::Vector3d sideways = apart - along * along.dot(apart);
+  const auto share = [&](const Eigen::Vector3d& p) {
+    return sideways.dot(p - pattern[0].front) / sideways.squaredNorm();
+  };
+  const double front = share(pattern[1].front);
+  const double back = share(pattern[1].back);
+  return pattern[1].front + (ratio - front) / (back - front) * (pattern[1].back - pattern[1].front);
+}
+
+Eigen::Vector3d direction_of(const Wire& wire) { return (wire.back - wire.front).normalized(); }
+
+std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                                                const WireCalibrationOptions& options) {
+  const auto triples = triples_of(points);
+  std::vector<SpatialObservation> observations;
+  for (const WirePoint& point : points) {
+    const NPattern& pattern = phantom.patterns.at(point.pattern);
+    const Wire& wire = pattern.at(point.wire);
+    const Eigen::Vector3d along = direction_of(wire);
+    const Eigen::Vector3d across = along.unitOrthogonal();
+    SpatialObservation observation;
+    observation.frame = point.frame;
+    observation.position_px = point.position_px;
+    observation.rows.row(0) = across;
+    observation.rows.row(1) = along.cross(across);
+    observation.row_count = 2;
+    observation.origin_mm = wire.front;
+    if (point.wire == 1 && options.along_weight > 0.0) {
+      if (const auto middle = middle_point(pattern, triples.at({point.frame, point.pattern}))) {
+        observation.origin_mm = *middle;
+        observation.rows.row(2) = options.along_weight * along;
+        observation.row_count = 3;
+      }
+    }
+    observations.push_back(observation);
+  }
+  return observations;
+}
+
+}  // namespace
+
+void WireCalibrationOptions::check() const {
+  spatial.check();
+  if (!(along_weight >= 0.0 && along_weight <= 10.0)) throw Error("the weight along the middle wire must be 0 to 10");
+}
+
+SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WirePoint>& points,
+                                const WirePhantom& phantom, const WireCalibrationOptions& options) {
+  options.check();
+  SpatialOptions spatial = options.spatial;
+  const auto observations = observations_of(points, phantom, options);
+  std::map<int, int> located;
+  for (const auto& observation : observations) {
+    if (poses.at(observation.frame, 0.0) && poses.poses()[static_cast<std::size_t>(observation.frame)]) {
+      ++located[observation.frame];
+    }
+  }
+  if (static_cast<int>(located.size()) < spatial.min_frames) {
+    throw Error(poses.recording() + ": wires were found and the probe tracked in " + std::to_string(located.size()) +
+                " frames only, " + std::to_string(spatial.min_frames) +
+                " are needed; record a longer sweep with the wires and the tracker in view");
+  }
+  std::vector<SpatialState> starts;
+  if (phantom.reference_from_phantom) {
+    std::vector<double> latencies = {0.0};
+    constexpr double kStep_s = 0.05;  // a hand at 30 mm/s moves 1.5 mm: near enough to find the way from
+    if (spatial.try_latency && poses.has_times()) {
+      for (double latency = kStep_s; latency <= spatial.max_latency_s; latency += kStep_s) {
+        latencies.push_back(latency);
+        latencies.push_back(-latency);
+      }
+    }
+    const auto all =
+        starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom, latencies, spatial.seed);
+    constexpr std::size_t kBest = 2;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i < kBest || all[i].latency_s == 0.0) starts.push_back(all[i]);
+    }
+  } else {
+    for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
+    constexpr std::size_t kStarts = 8;
+    starts = starts_with_unknown_phantom(poses, observations, kStarts);
+  }
+  SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
+  if (fit.rms_mm > kMostUsualMm || 2 * fit.frames_used < fit.frames_seen) {
+    throw Error(poses.recording() + ": the wires seen do not fit the phantom (" + std::to_string(fit.frames_used) +
+                " of " + std::to_string(fit.frames_seen) + " frames agree, to " +
+                format_real(std::round(100.0 * fit.rms_mm) / 100.0) +
+                " mm); check that the phantom's file is that of the phantom scanned, in millimetres");
+  }
+  return fit;
+}
+
+WireErrors wire_errors(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                       const SpatialState& state) {
+  const auto triples = triples_of(points);
+  const Eigen::Affine3d probe_from_image = state.probe_from_image();
+  const Eigen::Isometry3d phantom_from_reference = state.reference_from_phantom.inverse();
+  std::vector<double> middles;
+  std::vector<double> lines;
+  std::map<int, int> frames;
+  for (const WirePoint& point : points) {
+    const auto at = poses.at(point.frame, state.latency_s);
+    if (!at || !at->inside) continue;
+    ++frames[point.frame];
+    const NPattern& pattern = phantom.patterns.at(point.pattern);
+    const Eigen::Vector3d place =
+        phantom_from_reference *
+        (at->reference_from_probe *
+         (probe_from_image * Eigen::Vector3d(point.position_px.x(), point.position_px.y(), 0.0)));
+    const Wire& wire = pattern.at(point.wire);
+    lines.push_back((place - wire.front).cross(direction_of(wire)).norm());
+    if (point.wire != 1) continue;
+    if (const auto middle = middle_point(pattern, triples.at({point.frame, point.pattern}))) {
+      middles.push_back((place - *middle).norm());
+    }
+  }
+  if (middles.empty()) {
+    throw Error(poses.recording() + ": no frame has both a pose and all three wires of a pattern; record again");
+  }
+  const auto mean = [](auto first, auto last) {
+    return std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
+  };
+  const auto rms = [](const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values) sum += value * value;
+    return std::sqrt(sum / static_cast<double>(values.size()));
+  };
+  std::sort(middles.begin(), middles.end());
+  constexpr double kPlusShare = 0.95;
+  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(kPlusShare * static_cast<double>(middles.size())));
+  WireErrors errors;
+  errors.frames = static_cast<int>(frames.size());
+  errors.mean_mm = mean(middles.begin(), middles.begin() + kept);
+  errors.mean_all_mm = mean(middles.begin(), middles.end());
+  errors.rms_mm = rms(middles);
+  errors.max_mm = middles.back();
+  errors.wire_mean_mm = mean(lines.begin(), lines.end());
+  errors.wire_rms_mm = rms(lines);
+  return errors;
+}
+
+}  // namespace fathom

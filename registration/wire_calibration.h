@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "registration/spatial_calibration.h"
+#include "registration/wire_phantom.h"
+
+namespace fathom {
+
+/// How to calibrate from an N-wire phantom.
+struct WireCalibrationOptions {
+  SpatialOptions spatial;
+  /// Weight of where along the middle wire its point lies, as the ratio of the three points tells, against distances
+  /// to the wires. PLUS's metric counts it fully.
+  double along_weight = 1.2;
+
+  void check() const;
+};
+
+/// Calibrates from points of wires in frames. The phantom's pose is estimated where the phantom does not state it.
+/// Throws Error when there are too few frames, the motion is too poor, or the points are not those of this phantom.
+SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WirePoint>& points,
+                                const WirePhantom& phantom, const WireCalibrationOptions& options = {});
+
+/// How far a calibration puts points from where they belong.
+struct WireErrors {
+  int frames = 0;
+  double mean_mm = 0.0;      ///< PLUS's metric of the middle points, mean of the smallest 95 %
+  double mean_all_mm = 0.0;  ///< the same distances, untrimmed
+  double rms_mm = 0.0;
+  double max_mm = 0.0;
+  double wire_mean_mm = 0.0;  ///< distances of all points to their wires' lines
+  double wire_rms_mm = 0.0;
+};
+
+/// `state` holds the phantom's pose too. Frames without a pose are left out. Throws Error when none is left.
+WireErrors wire_errors(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                       const SpatialState& state);
+
+}  // namespace fathom
