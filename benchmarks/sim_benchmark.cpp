@@ -1,4 +1,5 @@
 #include <benchmark/benchmark.h>
+#include <opencv2/core/utility.hpp>
 
 #include "sim/phantom.h"
 #include "sim/scan_path.h"
