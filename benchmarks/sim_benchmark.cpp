@@ -1,9 +1,11 @@
 #include <benchmark/benchmark.h>
+#include <opencv2/core/utility.hpp>
 
 #include "sim/phantom.h"
 #include "sim/scan_path.h"
 #include "sim/section.h"
 #include "sim/simulate.h"
+#include "sim/speckle.h"
 
 // B-scans of 330x420 pixels and their true outlines; items are frames.
 
@@ -47,5 +49,23 @@ void OutlineFrame(benchmark::State& state, const char* object) {
 BENCHMARK_CAPTURE(OutlineFrame, sphere, "sphere");
 BENCHMARK_CAPTURE(OutlineFrame, hat, "hat");
 BENCHMARK_CAPTURE(OutlineFrame, kidney, "kidney");
+
+// A B-scan of 640 x 480 pixels of 0.1 mm with an object in it, on one thread.
+void SpeckledFrame(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const fathom::SpeckleOptions options;
+  const fathom::SpeckleField field(options);
+  cv::Mat inside(480, 640, CV_8UC1, cv::Scalar(0));
+  inside(cv::Rect(200, 150, 240, 180)).setTo(255);
+  Eigen::Affine3d plane(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()));
+  plane.linear() *= 0.1;
+  for (auto _ : state) {
+    plane.translation() += Eigen::Vector3d(0.1, 0.2, 0.3);
+    benchmark::DoNotOptimize(fathom::speckled_image(field, options, inside, plane));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+BENCHMARK(SpeckledFrame)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -19,6 +19,7 @@ struct SimulateCommand {
   SimulateOptions scan;
   std::string out;
   bool json = false;
+  bool speckle = false;
 };
 
 void run(const SimulateCommand& command) {
@@ -88,8 +89,12 @@ void add_simulate(CLI::App& app) {
       ->check(between(0, SimulateOptions::kMaxTurn_deg));
   command->add_option("--latency-s", scan.latency_s, "How much the tracker's time stamps lag the image's")
       ->check(between(-SimulateOptions::kMaxLatency_s, SimulateOptions::kMaxLatency_s));
+  command->add_flag("--speckle", options->speckle, "B-scans with speckle, as a scanner shows them");
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([options] { run(*options); });
+  command->callback([options] {
+    if (options->speckle) options->scan.speckle.emplace();
+    run(*options);
+  });
 }
 
 }  // namespace fathom

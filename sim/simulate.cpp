@@ -36,19 +36,26 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 class SimulatedRecording final : public Recording {
  public:
   SimulatedRecording(std::string name, RecordingHeader header, Phantom phantom,
-                     std::vector<Eigen::Affine3d> phantom_from_image)
+                     std::vector<Eigen::Affine3d> phantom_from_image, std::optional<SpeckleOptions> speckle)
       : Recording(std::move(name), std::move(header)),
         phantom_(std::move(phantom)),
-        phantom_from_image_(std::move(phantom_from_image)) {}
+        phantom_from_image_(std::move(phantom_from_image)),
+        speckle_(std::move(speckle)) {
+    if (speckle_) field_.emplace(*speckle_);
+  }
 
   cv::Mat image(int frame) const override {
     require_frame(frame);
-    return section_image(*phantom_.solid, phantom_from_image_[static_cast<std::size_t>(frame)], kImageSize);
+    const Eigen::Affine3d& phantom_from_image = phantom_from_image_[static_cast<std::size_t>(frame)];
+    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, kImageSize);
+    return field_ ? speckled_image(*field_, *speckle_, inside, phantom_from_image) : inside;
   }
 
  private:
   Phantom phantom_;
   std::vector<Eigen::Affine3d> phantom_from_image_;
+  std::optional<SpeckleOptions> speckle_;
+  std::optional<SpeckleField> field_;
 };
 
 RecordingHeader recorded_header(const ProbeMotion& motion) {
@@ -124,6 +131,7 @@ void SimulateOptions::check() const {
   require_within("tracker noise", noise_mm, 0.0, kMaxShift_mm, "mm");
   require_within("tracker noise", noise_deg, 0.0, kMaxTurn_deg, "degrees");
   require_within("latency", latency_s, -kMaxLatency_s, kMaxLatency_s, "seconds");
+  if (speckle) speckle->check();
 }
 
 SimulatedScan simulate(const SimulateOptions& options, const Progress& progress) {
@@ -140,9 +148,11 @@ SimulatedScan simulate(const SimulateOptions& options, const Progress& progress)
   scan.truth.surface_area_cm2 = phantom.solid->area_mm2() / kMm2PerCm2;
   scan.truth.structures = {{phantom.name, scan.truth.volume_ml}};
   RecordingHeader header = recorded_header(motion);
+  std::optional<SpeckleOptions> speckle = options.speckle;
+  if (speckle) speckle->seed = options.seed;
   scan.recording =
       std::make_unique<SimulatedRecording>("sim:" + options.object + "/" + options.pattern, std::move(header), phantom,
-                                           std::move(motion.phantom_from_image));
+                                           std::move(motion.phantom_from_image), std::move(speckle));
   return scan;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/progress.h"
 #include "registration/calibration.h"
 #include "segmentation/contours.h"
+#include "sim/speckle.h"
 
 namespace fathom {
 
@@ -32,6 +34,9 @@ struct SimulateOptions {
   double noise_mm = 0.0;   ///< tracker noise, Gaussian: 3D rms in position
   double noise_deg = 0.0;  ///< 3D rms in orientation
   double latency_s = 0.0;  ///< the tracker's stamps lag the image's by this much
+  /// B-scans with speckle, as a scanner shows them; else 255 inside the object and 0 outside. Its `seed` is not used:
+  /// the texture follows `seed` above.
+  std::optional<SpeckleOptions> speckle;
 
   /// Throws Error, naming what there is to choose from, when a value is out of range.
   void check() const;
@@ -50,7 +55,7 @@ struct SimulatedTruth {
 
 /// What the scan gave, and the truth behind it.
 struct SimulatedScan {
-  std::unique_ptr<Recording> recording;  ///< B-scans are made when asked for: 255 inside the object, 0 outside
+  std::unique_ptr<Recording> recording;  ///< B-scans are made when asked for
   Calibration calibration;               ///< the true one, latency included
   SimulatedTruth truth;
   std::vector<Structure> outlines;  ///< true outlines, not thresholded; extremities where a plane only touches

@@ -341,5 +341,21 @@ TEST(SimulateOptions, OutOfRangeIsRefusedInOneLineThatSaysWhatToDo) {
   EXPECT_TRUE(refused([](SimulateOptions& o) { o.latency_s = 60.0; }));
 }
 
+TEST(Simulate, SpeckleChangesThePixelsAndNotTheTruth) {
+  SimulateOptions options;
+  options.frames = 5;
+  const SimulatedScan plain = simulate(options);
+  options.speckle.emplace();
+  const SimulatedScan speckled = simulate(options);
+  ASSERT_EQ(plain.outlines[0].contours.size(), speckled.outlines[0].contours.size());
+  for (std::size_t i = 0; i < plain.outlines[0].contours.size(); ++i) {
+    EXPECT_EQ(plain.outlines[0].contours[i].points_px, speckled.outlines[0].contours[i].points_px);
+  }
+  const cv::Mat inside = plain.recording->image(2);
+  const cv::Mat image = speckled.recording->image(2);
+  EXPECT_GT(cv::mean(image, inside == 0)[0], cv::mean(image, inside != 0)[0] + 20.0);
+  EXPECT_EQ(cv::countNonZero(image != simulate(options).recording->image(2)), 0);
+}
+
 }  // namespace
 }  // namespace fathom
