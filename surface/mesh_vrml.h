@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "core/atomic_file.h"
 #include "core/progress.h"
@@ -9,6 +10,9 @@
 #include "surface/mesh_source.h"
 
 namespace fathom {
+
+/// The beginning of every VRML 2.0 text file.
+inline constexpr std::string_view kVrmlMagic = "#VRML V2.0 utf8";
 
 /// Reads the IndexedFaceSets of a VRML 2.0 text file (VRML97) as one mesh: coord (a Coordinate, also by DEF and USE),
 /// coordIndex, ccw, and normals where there is one for each vertex. Other nodes and fields are passed over.

@@ -1,6 +1,3 @@
-#include "surface/mesh_vrml.h"
-
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,12 +10,12 @@
 #include "core/printable.h"
 #include "surface/mesh_builder.h"
 #include "surface/mesh_text.h"
+#include "surface/mesh_vrml.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr std::string_view kMagic = "#VRML V2.0 utf8";
 constexpr std::size_t kLongestWord = 1'000;     // bytes of a name or number
 constexpr std::size_t kMostNames = 100'000;     // of vertices, by DEF
 constexpr std::size_t kDeepestNesting = 1'000;  // of nodes
@@ -104,8 +101,8 @@ class VrmlReader {
   explicit VrmlReader(MeshSource& source) : source_(source), tokens_(source), builder_(source) {}
 
   Mesh read() {
-    if (source_.first_bytes(kMagic.size()) != kMagic) {
-      source_.fail("is not VRML 2.0, which begins with \"" + std::string(kMagic) + "\"; write it in that version");
+    if (source_.first_bytes(kVrmlMagic.size()) != kVrmlMagic) {
+      source_.fail("is not VRML 2.0, which begins with \"" + std::string(kVrmlMagic) + "\"; write it in that version");
     }
     std::vector<std::string> nodes;  // that are open, outermost first; "[" for a list
     std::string before;
@@ -337,33 +334,5 @@ class VrmlReader {
 }  // namespace
 
 Mesh read_vrml(MeshSource& source) { return VrmlReader(source).read(); }
-
-void write_vrml(const Mesh& mesh, AtomicFile& file, const std::array<std::uint8_t, 3>& color,
-                const Progress& progress) {
-  constexpr double kFull = 255.0;
-  TextPieces text(file, mesh, progress);
-  text.add(kMagic);
-  text.add("\n# millimetres\nShape {\n appearance Appearance { material Material { diffuseColor ");
-  text.add(Eigen::Vector3d(color[0] / kFull, color[1] / kFull, color[2] / kFull));
-  // Not solid: an open mesh is to be seen from both sides.
-  text.add(" } }\n geometry IndexedFaceSet {\n  solid FALSE\n  coord Coordinate { point [\n");
-  for (const Eigen::Vector3d& vertex : mesh.vertices) text.add_line("", vertex, ",\n");
-  text.add("  ] }\n");
-  if (!mesh.normals.empty()) {
-    text.add("  normal Normal { vector [\n");
-    for (const Eigen::Vector3d& normal : mesh.normals) text.add_line("", normal, ",\n");
-    text.add("  ] }\n");
-  }
-  text.add("  coordIndex [\n");
-  for (const Mesh::Triangle& triangle : mesh.triangles) {
-    for (const std::int32_t vertex : triangle) {
-      text.add(static_cast<std::int64_t>(vertex));
-      text.add(",");
-    }
-    text.end_line("-1,\n");
-  }
-  text.add("  ]\n }\n}\n");
-  text.finish();
-}
 
 }  // namespace fathom
