@@ -12,9 +12,11 @@ void add_eqnsurf(CLI::App& app);
 void add_info(CLI::App& app);
 void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
+void add_planes(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_surface(CLI::App& app);
+void add_sweeps(CLI::App& app);
 
 }  // namespace fathom

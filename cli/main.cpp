@@ -36,6 +36,8 @@ int main(int argc, char** argv) {
   fathom::add_convert(app);
   fathom::add_simulate(app);
   fathom::add_segment(app);
+  fathom::add_sweeps(app);
+  fathom::add_planes(app);
   fathom::add_measure(app);
   fathom::add_surface(app);
   fathom::add_reconstruct(app);
