@@ -63,14 +63,18 @@ void run(const PlanesCommand& options) {
     print_json(json);
     return;
   }
-  std::vector<std::vector<std::string>> rows{{"plane", "normal x", "y", "z", "offset, mm"}};
-  for (std::size_t i = 0; i < partition.planes().size(); ++i) {
-    const DividingPlane& plane = partition.planes()[i];
-    rows.push_back({std::to_string(i + 1), number_text(plane.normal().x(), 4), number_text(plane.normal().y(), 4),
-                    number_text(plane.normal().z(), 4), number_text(-plane.offset(), 2)});
+  if (partition.planes().empty()) {
+    std::cout << "no dividing planes\n";
+  } else {
+    std::vector<std::vector<std::string>> rows{{"plane", "normal x", "y", "z", "offset, mm"}};
+    for (std::size_t i = 0; i < partition.planes().size(); ++i) {
+      const DividingPlane& plane = partition.planes()[i];
+      rows.push_back({std::to_string(i + 1), number_text(plane.normal().x(), 4), number_text(plane.normal().y(), 4),
+                      number_text(plane.normal().z(), 4), number_text(-plane.offset(), 2)});
+    }
+    print_table(rows);
   }
-  print_table(rows);
-  std::cout << sweeps.size() << " sweeps, " << partition.cells().size() << " parts of space\n";
+  std::cout << "sweeps: " << sweeps.size() << ", parts of space: " << partition.cells().size() << "\n";
   for (const std::string& warning : warnings) std::cout << "warning: " << warning << "\n";
 }
 

@@ -10,7 +10,8 @@ import zlib
 from program import complaint_about_error, run_script, tree
 from recording_file import MetaImage
 
-COMMANDS = ("info", "convert", "simulate", "segment", "measure", "isosurface", "eqnsurf", "demo")
+COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
+            "surface", "reconstruct", "isosurface", "eqnsurf", "demo")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "shape_based", "centroid_guided",
            "disc_guided"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
