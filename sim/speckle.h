@@ -24,8 +24,8 @@ struct SpeckleOptions {
 };
 
 /// Fully developed speckle that is fixed in space: frames that overlap or lie close to each other show the same
-/// texture. White complex Gaussian noise on a lattice in space (it repeats after some centimetres), averaged over the
-/// probe's resolution cell, which turns with the probe. May be used from several threads.
+/// texture. White complex Gaussian noise on a lattice in space (it repeats after 128 steps, some 17 mm by default),
+/// averaged over the probe's resolution cell, which turns with the probe. May be used from several threads.
 class SpeckleField {
  public:
   /// Throws Error as SpeckleOptions::check.
