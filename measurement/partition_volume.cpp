@@ -72,6 +72,27 @@ CrossSection clip_section(const SectionOutline& section, const SpacePartition& p
   return part;
 }
 
+// One for every section; of zero area where nothing of it is in the region.
+std::vector<CrossSection> clip_each(std::span<const SectionOutline> sections, const SpacePartition& partition,
+                                    std::size_t region) {
+  std::vector<CrossSection> clipped;
+  for (const SectionOutline& section : sections) clipped.push_back(clip_section(section, partition, region));
+  return clipped;
+}
+
+// Those of `clipped` that are in the region, extremities included.
+std::vector<CrossSection> present(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
+                                  const SpacePartition& partition, std::size_t region) {
+  std::vector<CrossSection> inside;
+  for (std::size_t i = 0; i < clipped.size(); ++i) {
+    const bool is_extremity = sections[i].outlines.empty();
+    if (is_extremity ? touches_region(clipped[i], partition, region) : clipped[i].vector_area_mm2.norm() > 0.0) {
+      inside.push_back(clipped[i]);
+    }
+  }
+  return inside;
+}
+
 // How far a section lies from where a line through its centroid, along the way to `next`, leaves the region.
 double way_to_end_mm(const CrossSection& end, const CrossSection& next, const SpacePartition& partition,
                      std::size_t region) {
@@ -100,9 +121,8 @@ std::string loss_warning(const PartitionVolume& part) {
 }
 
 // Where the structure goes on beyond the last section that the region has, part of it lies between section and plane.
-void estimate_loss(std::span<const SectionOutline> sections, const SpacePartition& partition, PartitionVolume& part) {
-  std::vector<CrossSection> clipped;
-  for (const SectionOutline& section : sections) clipped.push_back(clip_section(section, partition, part.region));
+void estimate_loss(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
+                   const SpacePartition& partition, PartitionVolume& part) {
   const auto has_part = [](const CrossSection& section) { return section.vector_area_mm2.norm() > 0.0; };
   for (std::size_t i = 0; i + 1 < clipped.size(); ++i) {
     for (const auto& [end, next] : {std::pair(i, i + 1), std::pair(i + 1, i)}) {
@@ -130,7 +150,8 @@ std::vector<SectionOutline> section_outlines(const Structure& structure, const F
     here.contours.push_back(std::move(contour));
   }
   for (const Extremity& extremity : structure.extremities) {
-    if (contains(sweep, extremity.frame)) here.extremities.push_back(extremity);
+    if (extremity.recording == static_cast<int>(sweep.recording) && contains(sweep, extremity.frame))
+      here.extremities.push_back(extremity);
   }
   std::vector<SectionOutline> sections;
   const std::vector<CrossSection> wholes = cross_sections(here, locator, nullptr);
@@ -158,16 +179,7 @@ std::vector<SectionOutline> section_outlines(const Structure& structure, const F
 
 std::vector<CrossSection> clip_sections(std::span<const SectionOutline> sections, const SpacePartition& partition,
                                         std::size_t region) {
-  std::vector<CrossSection> clipped;
-  for (const SectionOutline& section : sections) {
-    if (section.outlines.empty()) {
-      if (touches_region(section.whole, partition, region)) clipped.push_back(section.whole);
-      continue;
-    }
-    const CrossSection part = clip_section(section, partition, region);
-    if (part.vector_area_mm2.norm() > 0.0) clipped.push_back(part);
-  }
-  return clipped;
+  return present(sections, clip_each(sections, partition, region), partition, region);
 }
 
 PartitionedVolume measure_partitions(const Structure& structure, const FrameLocator& locator,
@@ -184,13 +196,14 @@ PartitionedVolume measure_partitions(const Structure& structure, const FrameLoca
     const auto cell = std::find_if(partition.cells().begin(), partition.cells().end(),
                                    [&](const auto& candidate) { return candidate.region == region; });
     if (cell == partition.cells().end() || !cell->sweep || *cell->sweep >= sections.size()) continue;
-    const std::vector<CrossSection> clipped = clip_sections(sections[*cell->sweep], partition, region);
-    if (clipped.empty()) continue;
+    const std::vector<CrossSection> clipped = clip_each(sections[*cell->sweep], partition, region);
+    const std::vector<CrossSection> inside = present(sections[*cell->sweep], clipped, partition, region);
+    if (inside.empty()) continue;
     PartitionVolume part;
     part.region = region;
     part.sweep = *cell->sweep;
-    part.measurement = measure_planimetry(clipped);
-    estimate_loss(sections[part.sweep], partition, part);
+    part.measurement = measure_planimetry(inside);
+    estimate_loss(sections[part.sweep], clipped, partition, part);
     if (part.missing_ml > kWorthSaying_ml) result.warnings.push_back(loss_warning(part));
     for (const std::string& warning : part.measurement.warnings) {
       result.warnings.push_back("sweep " + std::to_string(part.sweep + 1) + ": " + warning);

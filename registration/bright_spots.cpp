@@ -20,24 +20,6 @@ constexpr int kSampleStep = 3;  // the texture's spread is taken from every thir
 constexpr double kCutDrop =
     0.5;  // an edge that falls from this share of the peak to black within a pixel was cut, not blurred
 
-double full_scale(const cv::Mat& image) {
-  switch (image.depth()) {
-    case CV_8U:
-      return 255.0;
-    case CV_8S:
-      return 127.0;
-    case CV_16U:
-      return 65535.0;
-    case CV_16S:
-      return 32767.0;
-    default: {
-      double largest = 0.0;
-      cv::minMaxLoc(image.reshape(1), nullptr, &largest);
-      return largest;
-    }
-  }
-}
-
 cv::Mat mean_over(const cv::Mat& grey, int half_width, int half_height) {
   cv::Mat mean;
   cv::blur(grey, mean, cv::Size(2 * half_width + 1, 2 * half_height + 1), cv::Point(-1, -1), cv::BORDER_REPLICATE);
@@ -131,6 +113,24 @@ class SpotGrower {
 };
 
 }  // namespace
+
+double full_scale(const cv::Mat& image) {
+  switch (image.depth()) {
+    case CV_8U:
+      return 255.0;
+    case CV_8S:
+      return 127.0;
+    case CV_16U:
+      return 65535.0;
+    case CV_16S:
+      return 32767.0;
+    default: {
+      double largest = 0.0;
+      cv::minMaxLoc(image.reshape(1), nullptr, &largest);
+      return largest;
+    }
+  }
+}
 
 void BrightSpotOptions::check() const {
   if (max_spots < 1 || max_spots > 1000) throw Error("bright spots: the number of spots must be from 1 to 1000");

@@ -26,6 +26,9 @@ struct BrightSpotOptions {
   void check() const;
 };
 
+/// The largest value that the pixel type holds; of other types than 8 or 16 bits, the largest in the image.
+double full_scale(const cv::Mat& image);
+
 /// One channel of 32-bit floats, black at 0: what the detectors work on. Colours are averaged by luminance (RGB).
 cv::Mat grey_image(const cv::Mat& image);
 

@@ -8,9 +8,6 @@ namespace fathom {
 
 namespace {
 
-// A hand turns round in about this time: between poses farther apart, a straight way would be a guess.
-constexpr double kMaxPoseGap_s = 0.5;
-
 std::vector<double> increasing_times(const Recording& recording) {
   std::vector<double> times;
   for (const FrameHeader& frame : recording.header().frames) {

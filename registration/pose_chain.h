@@ -10,6 +10,9 @@
 
 namespace fathom {
 
+/// A hand turns round in about this time: between poses farther apart, a straight way would be a guess.
+inline constexpr double kMaxPoseGap_s = 0.5;
+
 /// Names of the coordinates to work in, where the user or the calibration chose them; else "Probe" and "Reference"
 /// (where the recording has it, else "Tracker").
 struct FrameNames {

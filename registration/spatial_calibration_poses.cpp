@@ -5,20 +5,13 @@
 
 namespace fathom {
 
-namespace {
-
-// A hand turns round in about this time: between poses farther apart, a straight way would be a guess.
-constexpr double kMaxStep_s = 0.5;
-
-}  // namespace
-
 ProbePoses::ProbePoses(std::string recording, std::vector<std::optional<Eigen::Isometry3d>> reference_from_probe,
                        std::vector<double> times_s)
     : recording_(std::move(recording)), poses_(std::move(reference_from_probe)), times_s_(std::move(times_s)) {
   assert(times_s_.empty() || times_s_.size() == poses_.size());
   for (std::size_t i = 0; i + 1 < times_s_.size(); ++i) {
     const double duration = times_s_[i + 1] - times_s_[i];
-    if (!poses_[i] || !poses_[i + 1] || duration > kMaxStep_s) continue;
+    if (!poses_[i] || !poses_[i + 1] || duration > kMaxPoseGap_s) continue;
     const Eigen::AngleAxisd turn(poses_[i]->linear().transpose() * poses_[i + 1]->linear());
     steps_.push_back({times_s_[i], duration, static_cast<int>(i), turn.angle() * turn.axis()});
   }

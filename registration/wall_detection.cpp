@@ -33,24 +33,6 @@ struct Line {
   double distance(const Echo& echo) const { return std::abs(echo.y - y(echo.x)) / std::sqrt(1.0 + slope * slope); }
 };
 
-double largest_value(const cv::Mat& image) {
-  switch (image.depth()) {
-    case CV_8U:
-      return 255.0;
-    case CV_8S:
-      return 127.0;
-    case CV_16U:
-      return 65535.0;
-    case CV_16S:
-      return 32767.0;
-    default: {
-      double largest = 0.0;
-      cv::minMaxLoc(image.reshape(1), nullptr, &largest);
-      return largest;
-    }
-  }
-}
-
 /// The first bright echo of every column of `turned`, whose rows are the image's columns.
 std::vector<Echo> first_echoes(const cv::Mat& turned, double least, const WallDetectionOptions& options) {
   std::vector<Echo> echoes;
@@ -159,7 +141,7 @@ std::optional<WallLine> detect_wall_in_image(const cv::Mat& image, const WallDet
   cv::transpose(smooth, turned);
 
   const double tolerance_px = std::max(1.5, options.tolerance * image.rows);
-  const std::vector<Echo> echoes = first_echoes(turned, options.min_contrast * largest_value(image), options);
+  const std::vector<Echo> echoes = first_echoes(turned, options.min_contrast * full_scale(image), options);
   const double needed = options.min_columns * image.cols;
   if (static_cast<double>(echoes.size()) < needed) return std::nullopt;
   std::optional<Line> line = brightest_line(echoes, tolerance_px, options);
