@@ -24,6 +24,13 @@ function(fathom_build_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
+# For the tests themselves: undefined behaviour is looked for in the product; in the tests it would double their build.
+function(fathom_check_memory_only target)
+  if(CMAKE_CXX_FLAGS MATCHES "undefined")
+    target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
+  endif()
+endfunction()
+
 # fathom_library(<folder> SOURCES ... LINK ...): the static library fathom_<folder>.
 function(fathom_library folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
@@ -40,6 +47,7 @@ function(fathom_test folder)
   target_link_libraries(${folder}_test PRIVATE ${arg_LINK} GTest::gtest GTest::gtest_main)
   fathom_target_defaults(${folder}_test)
   fathom_build_fast(${folder}_test)
+  fathom_check_memory_only(${folder}_test)
   include(GoogleTest)
   gtest_discover_tests(${folder}_test TEST_FILTER "-*Study.*" DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ci TIMEOUT 300)
