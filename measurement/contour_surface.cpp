@@ -129,11 +129,15 @@ Distance distance_between(const Section& first, const Section& second) {
 
 }  // namespace
 
+GapOrder ContourSurfaceOptions::gap_order() const {
+  return order.value_or(guide == Guide::kCentroids ? GapOrder::kLinear : GapOrder::kCurved);
+}
+
 void ContourSurfaceOptions::check() const {
   if (spacing_mm && !(std::isfinite(*spacing_mm) && *spacing_mm > 0.0)) {
     throw Error("the spacing of a surface must be a positive number of millimetres");
   }
-  if (guide == Guide::kCentroids && order == GapOrder::kCurved) {
+  if (guide == Guide::kCentroids && gap_order() == GapOrder::kCurved) {
     throw Error("a surface guided by centroids is linear between its outlines; guide it by discs or shapes");
   }
 }
@@ -304,7 +308,7 @@ void ContourSurface::Maker::find_gaps(State& made) const {
           same != state_.gaps.end() ? same->between : std::make_shared<const SectionGap>(first, second, options_.guide);
     }
   });
-  if (options_.order == GapOrder::kLinear) return;
+  if (options_.gap_order() == GapOrder::kLinear) return;
   for (std::size_t i = 0; i < made.gaps.size(); ++i) {
     const bool last = i + 1 == made.gaps.size();
     made.gaps[i].beyond = {i > 0 ? made.sections[i - 1].shape : nullptr, last ? nullptr : made.sections[i + 2].shape};
@@ -332,7 +336,7 @@ void ContourSurface::Maker::make_samples(State& made, std::size_t i) const {
   Gap& gap = made.gaps[i];
   const int count = layers_between(distance_between(made.sections[i], made.sections[i + 1]).mean_mm, made.spacing_mm);
   std::optional<CurvedGap> curved;
-  if (options_.order == GapOrder::kCurved) {
+  if (options_.gap_order() == GapOrder::kCurved) {
     curved.emplace(*gap.between, i > 0 ? made.gaps[i - 1].between.get() : nullptr,
                    i + 1 < made.gaps.size() ? made.gaps[i + 1].between.get() : nullptr);
   }

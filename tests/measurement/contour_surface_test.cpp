@@ -80,11 +80,12 @@ double stack_of_cones_mm3(const std::vector<double>& places) {
   return sum;
 }
 
-TEST(ContourSurface, OfABallIsTheStackOfConesThroughItsSections) {
+TEST(ContourSurface, OfABallIsOfFirstOrderTheStackOfConesThroughItsSections) {
   const FrameLocator locator = scan_of(turning_sweep(planes_through_ball()), 0.1);
   for (const Guide guide : {Guide::kDiscs, Guide::kCentroids, Guide::kShape}) {
     ContourSurfaceOptions options;
     options.guide = guide;
+    options.order = GapOrder::kLinear;
     ContourSurface surface(locator, options);
     const Mesh& mesh = surface.update(ball(locator, kCentre, kRadius));
     expect_sound(mesh);
@@ -140,6 +141,7 @@ TEST(ContourSurface, UpdatedAfterEditsEqualsTheOneMadeAfresh) {
   const FrameLocator locator = scan_of(turning_sweep(evenly(-9.5, 9.5, 39), 0.01, 0.015), 0.1);
   Structure structure = ball(locator, kCentre, kRadius, 2);
   ContourSurfaceOptions options;
+  options.order = GapOrder::kLinear;
   options.spacing_mm = 0.5;
   ContourSurface surface(locator, options);
   surface.update(structure);
@@ -247,8 +249,25 @@ TEST(ContourSurface, OfSecondOrderIsNotGuidedByCentroids) {
   const FrameLocator locator = scan_of(turning_sweep(evenly(-9.0, 9.0, 10)), 0.1);
   ContourSurfaceOptions options;
   options.guide = Guide::kCentroids;
+  EXPECT_NO_THROW(ContourSurface(locator, options));
   options.order = GapOrder::kCurved;
   EXPECT_THROW(ContourSurface(locator, options), Error);
+}
+
+TEST(ContourSurface, IsOfSecondOrderUnlessToldOtherwiseOrGuidedByCentroids) {
+  const FrameLocator locator = scan_of(turning_sweep(evenly(-9.0, 9.0, 7)), 0.1);
+  for (const auto& [guide, order] : {std::pair{Guide::kDiscs, GapOrder::kCurved},
+                                     {Guide::kShape, GapOrder::kCurved},
+                                     {Guide::kCentroids, GapOrder::kLinear}}) {
+    ContourSurfaceOptions options;
+    options.guide = guide;
+    ContourSurface by_default(locator, options);
+    options.order = order;
+    ContourSurface told(locator, options);
+    by_default.update(ball(locator, kCentre, kRadius));
+    told.update(ball(locator, kCentre, kRadius));
+    expect_same(by_default.mesh(), told.mesh());
+  }
 }
 
 TEST(ContourSurface, KeepsItsVolumeTenMetresAwayAndTurned) {
