@@ -64,7 +64,7 @@ TEST(ContourSurface, FollowsADuctThroughItsFork) {
   }
   const std::vector<double> few = every(0.0, 40.0, 5.0);
   EXPECT_LE(parts(ducts, few, 0.6, Guide::kDiscs), 2);
-  EXPECT_GE(parts(ducts, few, 0.6, Guide::kShape), 5);
+  EXPECT_GE(parts(ducts, few, 0.6, Guide::kShape, GapOrder::kLinear), 5);
 }
 
 TEST(ContourSurface, OfParallelPlanesIsTheSameFromEitherEnd) {
