@@ -54,12 +54,13 @@ std::string number_text(const std::optional<double>& value, int decimals) {
 
 void print_results(const std::vector<StructureResult>& results) {
   std::vector<std::vector<std::string>> rows{
-      {"structure", "sections", "linear (ml)", "cubic (ml)", "cubic 3D (ml)", "surface (ml)"}};
+      {"structure", "sections", "linear (ml)", "cubic (ml)", "cubic 3D (ml)", "surface (ml)", "surface curved (ml)"}};
   for (const StructureResult& result : results) {
     const PlanimetryVolumes& volumes = result.measurement.volumes;
     rows.push_back({result.name, std::to_string(result.measurement.sections), number_text(volumes.linear_ml, 2),
                     number_text(volumes.cubic_ml, 2), number_text(volumes.cubic_3d_ml, 2),
-                    number_text(result.surfaces.disc_guided_ml, 2)});
+                    number_text(result.surfaces.disc_guided_ml, 2),
+                    number_text(result.surfaces.disc_guided_curved_ml, 2)});
   }
   print_table(rows);
   for (const StructureResult& result : results) {

@@ -164,11 +164,11 @@ void add_surface(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(guides()).description("disc|shape|centroid"))
       ->default_str("disc");
   command
-      ->add_option("--order", options->surface.order,
-                   "linear: between two outlines; curved: by those beyond them as well, for round structures on few "
-                   "frames")
-      ->transform(CLI::CheckedTransformer(orders()).description("linear|curved"))
-      ->default_str("linear");
+      ->add_option(
+          "--order", options->surface.order,
+          "curved: by the outlines beyond each two as well, so that round structures keep their volume; linear: "
+          "between the two alone. By default curved, but linear for centroid")
+      ->transform(CLI::CheckedTransformer(orders()).description("linear|curved"));
   add_mesher_options(*command, options->surface.mesher);
   command
       ->add_option("--spacing-mm", options->surface.spacing_mm,

@@ -22,19 +22,26 @@ void add_once(std::vector<std::string>& warnings, const std::string& warning) {
 // Fills in the volumes of the surfaces; what prevents one goes to the warnings.
 void measure_surfaces(const Structure& structure, const FrameLocator& locator, const Progress& progress,
                       StructureResult& result) {
-  const std::array<std::pair<Guide, std::optional<double>*>, 3> guides{
-      {{Guide::kDiscs, &result.surfaces.disc_guided_ml},
-       {Guide::kCentroids, &result.surfaces.centroid_guided_ml},
-       {Guide::kShape, &result.surfaces.shape_based_ml}}};
+  struct Method {
+    Guide guide;
+    GapOrder order;
+    std::optional<double>* volume_ml;
+  };
+  SurfaceVolumes& volumes = result.surfaces;
+  const std::array<Method, 4> methods{{{Guide::kDiscs, GapOrder::kLinear, &volumes.disc_guided_ml},
+                                       {Guide::kDiscs, GapOrder::kCurved, &volumes.disc_guided_curved_ml},
+                                       {Guide::kCentroids, GapOrder::kLinear, &volumes.centroid_guided_ml},
+                                       {Guide::kShape, GapOrder::kLinear, &volumes.shape_based_ml}}};
   double done = 0.0;
-  for (const auto& [guide, volume_ml] : guides) {
-    const double step = 1.0 / static_cast<double>(guides.size());
+  for (const Method& method : methods) {
+    const double step = 1.0 / static_cast<double>(methods.size());
     ContourSurfaceOptions options;
-    options.guide = guide;
+    options.guide = method.guide;
+    options.order = method.order;
     try {
       ContourSurface surface(locator, options);
       surface.update(structure, part_of(progress, done, done + step));
-      *volume_ml = surface.volume_ml();
+      *method.volume_ml = surface.volume_ml();
       for (const std::string& warning : surface.warnings()) add_once(result.measurement.warnings, warning);
     } catch (const Cancelled&) {
       throw;
@@ -89,7 +96,8 @@ nlohmann::ordered_json results_json(const std::vector<StructureResult>& results)
                          {"cubic_planimetry_3d", number_or_null(volumes.cubic_3d_ml)},
                          {"shape_based", number_or_null(result.surfaces.shape_based_ml)},
                          {"centroid_guided", number_or_null(result.surfaces.centroid_guided_ml)},
-                         {"disc_guided", number_or_null(result.surfaces.disc_guided_ml)}};
+                         {"disc_guided", number_or_null(result.surfaces.disc_guided_ml)},
+                         {"disc_guided_curved", number_or_null(result.surfaces.disc_guided_curved_ml)}};
     item["volume_interval_ml"] = nullptr;
     item["partitions"] = nlohmann::ordered_json::array();
     item["warnings"] = result.measurement.warnings;

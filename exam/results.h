@@ -17,7 +17,8 @@ namespace fathom {
 struct SurfaceVolumes {
   std::optional<double> shape_based_ml;
   std::optional<double> centroid_guided_ml;
-  std::optional<double> disc_guided_ml;
+  std::optional<double> disc_guided_ml;         ///< linear between each two outlines, as the two above
+  std::optional<double> disc_guided_curved_ml;  ///< of second order: reads the outlines beyond as well
 };
 
 /// What was measured of one structure.

@@ -24,11 +24,15 @@ enum class GapOrder {
 /// How the surface of a structure is made from its contours.
 struct ContourSurfaceOptions {
   Guide guide = Guide::kDiscs;
-  GapOrder order = GapOrder::kLinear;
+  /// Empty: curved, but linear with Guide::kCentroids.
+  std::optional<GapOrder> order;
   MesherOptions mesher;
   /// Distance of the layers of samples and of the rows in them. Empty: an eightieth of the structure's largest extent,
   /// to two digits.
   std::optional<double> spacing_mm;
+
+  /// The order that is meant.
+  GapOrder gap_order() const;
 
   /// Throws Error when the spacing is not a positive, finite number, or guide and order do not go together.
   void check() const;

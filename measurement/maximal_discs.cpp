@@ -27,16 +27,34 @@ bool is_maximal(const std::int16_t* p, int columns) {
 // Cells. Along a straight outline the nearest points of two points two cells apart are as far apart.
 constexpr float kSmoothOutline = 2.5F;
 
-// Whether the outline's points nearest to either side of the raster's point are as far apart as those of a disc that
-// touches it at two places.
-bool touches_twice(const NearestPoints& nearest, std::size_t at, std::size_t columns) {
-  const auto apart_squared = [&nearest](std::size_t a, std::size_t b) {
-    const float x = nearest.x[a] - nearest.x[b];
-    const float y = nearest.y[a] - nearest.y[b];
-    return x * x + y * y;
+// Of the angle between the ways to both places. Where an outline is bent the nearest points of points inside are
+// farther apart than along a straight one, so that their distance alone takes a bend for two places.
+constexpr float kMostCosine = 0.7F;
+
+struct Way {
+  float x, y;
+};
+
+// Whether the outline's points nearest to two neighbours of a raster's point are as far apart as those of a disc that
+// touches it at two places, `least` cells, and lie in different directions.
+bool are_two_places(const NearestPoints& nearest, std::size_t a, Way to_a, std::size_t b, Way to_b, float least) {
+  const float x = nearest.x[a] - nearest.x[b];
+  const float y = nearest.y[a] - nearest.y[b];
+  if (x * x + y * y <= least * least) return false;
+  const float dot = to_a.x * to_b.x + to_a.y * to_b.y;
+  return dot <= 0.0F || dot <= kMostCosine * nearest.distance[a] * nearest.distance[b];
+}
+
+bool touches_twice(const NearestPoints& nearest, const SectionRaster& raster, int i, int j) {
+  const auto way_from = [&](int column, int row) {
+    const std::size_t at = raster.index(column, row);
+    return Way{nearest.x[at] - static_cast<float>(column), nearest.y[at] - static_cast<float>(row)};
   };
-  const float least = std::max(kSmoothOutline, nearest.distance[at]);
-  return std::max(apart_squared(at - 1, at + 1), apart_squared(at - columns, at + columns)) > least * least;
+  const float least = std::max(kSmoothOutline, nearest.distance[raster.index(i, j)]);
+  return are_two_places(nearest, raster.index(i - 1, j), way_from(i - 1, j), raster.index(i + 1, j), way_from(i + 1, j),
+                        least) ||
+         are_two_places(nearest, raster.index(i, j - 1), way_from(i, j - 1), raster.index(i, j + 1), way_from(i, j + 1),
+                        least);
 }
 
 std::vector<Candidate> candidates(const std::vector<std::int16_t>& codes, const std::vector<std::uint8_t>& inside,
@@ -46,7 +64,7 @@ std::vector<Candidate> candidates(const std::vector<std::int16_t>& codes, const 
     for (int i = 1; i + 1 < raster.columns; ++i) {
       const std::size_t at = raster.index(i, j);
       if (inside[at] != side || !is_maximal(&codes[at], raster.columns)) continue;
-      if (!touches_twice(nearest, at, static_cast<std::size_t>(raster.columns))) continue;
+      if (!touches_twice(nearest, raster, i, j)) continue;
       found.push_back({nearest.distance[at], codes[at], static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)});
     }
   }

@@ -13,7 +13,7 @@ from recording_file import MetaImage
 COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
             "surface", "reconstruct", "isosurface", "eqnsurf", "demo")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "shape_based", "centroid_guided",
-           "disc_guided"}
+           "disc_guided", "disc_guided_curved"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
 
 

@@ -92,10 +92,15 @@ def orders(program, folder, tally):
     whole = folder / "whole.mha"
     drawn = ["surface", whole, "--calibration", folder / "whole.calibration.json", "--contours", folder / "whole.contours.json"]
     truth = json.loads((folder / "whole.truth.json").read_text())["volume_ml"]
+    measured = json.loads(program.must_run("measure", *drawn[1:], "--json").out)["structures"][0]["volume_ml"]
     error = {}
-    for order in ("linear", "curved"):
+    for order, key in (("linear", "disc_guided"), ("curved", "disc_guided_curved")):
         made = json.loads(program.must_run(*drawn, "--order", order, "--out", folder / f"{order}.ply", "--json").out)
         error[order] = abs(made["volume_ml"] - truth) / truth
+        tally.check(f"measure and surface agree: {order}", made["volume_ml"] != measured[key] and f"{made} {measured}")
+    program.must_run(*drawn, "--out", folder / "default.ply")
+    same = (folder / "default.ply").read_bytes() == (folder / "curved.ply").read_bytes()
+    tally.check("curved where no order is named", not same and "it differs")
     tally.check("the curved order loses less of a ball", error["curved"] >= error["linear"] and f"{error}")
     tally.check("refused: centroids of curved order", complaint_about_refusal(
         program, folder, [*drawn, "--order", "curved", "--method", "centroid", "--out", "w.ply"]))

@@ -23,6 +23,9 @@ TEST(Results, HoldTheVolumeOfEveryStructureUnderTheNamesOtherProgramsRead) {
   for (const char* method : {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d"}) {
     EXPECT_NEAR(box["volume_ml"][method].get<double>(), 8.0, 1e-9) << method;
   }
+  for (const char* method : {"shape_based", "centroid_guided", "disc_guided", "disc_guided_curved"}) {
+    EXPECT_NEAR(box["volume_ml"][method].get<double>(), 8.0, 0.05) << method;
+  }
   // The box's flat ends might as well be an organ that goes on.
   ASSERT_EQ(box["warnings"].size(), 1u);
   EXPECT_NE(box["warnings"][0].get<std::string>().find("what lies beyond is not measured"), std::string::npos);

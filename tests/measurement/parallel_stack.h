@@ -83,6 +83,21 @@ inline std::vector<Polygon> y_tube(double z) {
 }
 inline const Stack kYStack{every(0.0, 90.0, 10.0), 0.25, {-32.0, -8.0}, {32.0, 8.0}, 0.25};
 
+/// A bladder and a prostate beside it, 3 mm apart, that both shift by 17 mm from one plane to the next: on the second
+/// plane the prostate lies where the bladder was on the first.
+inline std::vector<Polygon> bladder_and_prostate(double z) {
+  const double shift = 1.7 * z;
+  return {ellipse(-shift, 0.0, 20.0, 15.0), ellipse(35.0 - shift, 0.0, 12.0, 10.0)};
+}
+
+/// A duct that goes aside and forks, as in figure 3.2.
+inline std::vector<Polygon> ducts(double z) {
+  if (z < 20.0) return {ellipse(1.2 * z, 0.4 * z, 5.0, 3.5)};
+  const double on = z - 20.0;
+  return {ellipse(24.0 + 0.5 + 1.3 * on, 8.0 + 4.5 + 0.2 * on, 3.4, 2.6),
+          ellipse(24.0 - 0.5 - 0.2 * on, 8.0 - 4.5 - 1.0 * on, 3.0, 2.4)};
+}
+
 struct Likeness {
   double dice = 0.0;
   double volume_error = 0.0;  ///< relative to the true volume between the outer sections, by the same voxels

@@ -12,6 +12,8 @@
 namespace fathom {
 namespace {
 
+using stacks::bladder_and_prostate;
+using stacks::ducts;
 using stacks::ellipse;
 using stacks::ellipsoid;
 using stacks::every;
@@ -26,21 +28,6 @@ using stacks::shape_of;
 using stacks::Stack;
 using stacks::tube_stack;
 using stacks::y_tube;
-
-// A bladder and a prostate beside it, 3 mm apart, that both shift by 17 mm from one plane to the next: on the second
-// plane the prostate lies where the bladder was on the first.
-std::vector<Polygon> bladder_and_prostate(double z) {
-  const double shift = 1.7 * z;
-  return {ellipse(-shift, 0.0, 20.0, 15.0), ellipse(35.0 - shift, 0.0, 12.0, 10.0)};
-}
-
-// A duct that goes aside and forks, as in figure 3.2.
-std::vector<Polygon> ducts(double z) {
-  if (z < 20.0) return {ellipse(1.2 * z, 0.4 * z, 5.0, 3.5)};
-  const double on = z - 20.0;
-  return {ellipse(24.0 + 0.5 + 1.3 * on, 8.0 + 4.5 + 0.2 * on, 3.4, 2.6),
-          ellipse(24.0 - 0.5 - 0.2 * on, 8.0 - 4.5 - 1.0 * on, 3.0, 2.4)};
-}
 
 constexpr std::array<Guide, 3> kGuides = {Guide::kShape, Guide::kCentroids, Guide::kDiscs};
 
