@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "surface/bend_weight.h"
+#include "surface/cut_cluster.h"
+#include "surface/star.h"
 
 namespace fathom {
 
@@ -32,6 +34,19 @@ const std::array<Vector4, kLatticeEdges> kOneAndStep = [] {
   }
   return list;
 }();
+
+// Of layers, and of rows: the edges that stay in one of them, and those that lead down and up.
+constexpr EdgeMask edges_with(bool layers, int step) {
+  EdgeMask mask = 0;
+  for (int e = 0; e < kLatticeEdges; ++e) {
+    const LatticeStep& way = kLatticeSteps[static_cast<std::size_t>(e)];
+    if ((layers ? way.k : way.j) == step) mask |= edge_bit(e);
+  }
+  return mask;
+}
+constexpr std::array<EdgeMask, 2> kWithin = {edges_with(true, 0), edges_with(false, 0)};
+constexpr std::array<std::array<EdgeMask, 2>, 2> kThrough = {
+    {{edges_with(true, -1), edges_with(true, 1)}, {edges_with(false, -1), edges_with(false, 1)}}};
 
 // The sum of the ways from a sample to cuts, by the layers to which their edges lead.
 struct CutSum {
@@ -80,53 +95,59 @@ class VertexMaker {
   void add(const CutSample& sample) {
     const Star star = stars_.at(sample.row, sample.column);
     if (sample.single) {
-      add_vertex(sample, star, sample.near);
+      add_vertex(sample, star, sample.near, true);
       return;
     }
     for (EdgeMask rest = sample.near; rest != 0;) {
-      const EdgeMask cluster = first_cluster(rest);
+      const EdgeMask cluster = first_cluster(rest, sample.link);
       rest = static_cast<EdgeMask>(rest & ~cluster);
       if ((cluster & sample.kept) != 0) {
-        add_vertex(sample, star, cluster);
+        add_vertex(sample, star, cluster, true);
         continue;
       }
       for (EdgeMask one = cluster; one != 0; one = static_cast<EdgeMask>(one & (one - 1))) {
-        add_vertex(sample, star, edge_bit(std::countr_zero(one)));
+        add_vertex(sample, star, edge_bit(std::countr_zero(one)), false);
       }
     }
   }
 
  private:
-  void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts) {
+  void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts, bool kept) {
     const Walls walls = walls_at(sample, star);
-    cuts = bound(walls, cuts);
+    cuts = bound(walls, sample.link, cuts);
     const Vector3 own_change = as_vector(sample.change);
     const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
     const Eigen::Vector3d normal = weigh ? unit(steepest(own_change)) : Eigen::Vector3d::Zero();
     CutSum sum;
     const Vector4 own = as_array(own_change);
+    // Samples on flat sides have edges that are shorter than others, and so do their neighbours.
+    const bool at_side =
+        layer_.samples->flat_sides && (sample.column <= 1 || sample.column + 2 >= layer_.samples->columns);
     Vector4 all_changes = Vector4::Zero();
     float weights = 0.0F;
     int count = 0;
     float heights = 0.0F;  // of change . way over all cuts
+    const int side_edge = link_table(sample.link).beyond;
+    // A cap is where the samples are. Only cuts that all become vertices must differ: half as far as others are at
+    // least, since some of these edges lie in the middle of others, and three cuts in line.
+    const float cap_cut = kept ? 0.0F : kLeastCut / 2;
     for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
       const auto e = static_cast<std::size_t>(std::countr_zero(rest));
       const float there = star.value[e];
-      const bool cap = there == kFarOutside;
-      // Half as far on made-up edges: some of these lie in the middle of others, and three cuts in line.
-      const float t = cap ? kLeastCut / 2 : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
-      const EdgeEnd end = edge_end(layer_, sample.row, sample.column, static_cast<int>(e));
-      const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
-      const Vector4 change = other.made_up ? own : Vector4((1.0F - t) * own + t * as_array(as_vector(other.change)));
+      const float t = there == kFarOutside ? cap_cut : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
+      const Vector4 change = Vector4((1.0F - t) * own + t * change_at_end(sample, static_cast<int>(e), own));
       all_changes += change;
       ++count;
-      const Vector4 way = t * kOneAndStep[e];
+      Vector4 step = kOneAndStep[e];
+      if (at_side && static_cast<int>(e) != side_edge)
+        step[1] = static_cast<float>(step_along(layer_, sample.row, sample.column, static_cast<int>(e)));
+      const Vector4 way = t * step;
       const Vector4 height = change * way;
       heights += height[1] + (height[2] + height[3]);
       if (weigh) {
         const auto weight = static_cast<float>(bend_weight(star, static_cast<int>(e), normal));
         weights += weight;
-        sum.add(e, (weight * t) * kOneAndStep[e]);
+        sum.add(e, weight * way);
       } else {
         weights += 1.0F;
         sum.add(e, way);
@@ -141,6 +162,14 @@ class VertexMaker {
     }
     mesh_.vertices.push_back(place_of(sample, sum));
     mesh_.normals.push_back(normal_of(sample, walls, changes));
+  }
+
+  // The change of the field at the end of an edge that is cut; `own` where that end is made up.
+  Vector4 change_at_end(const CutSample& sample, int edge, const Vector4& own) const {
+    if (edge == link_table(sample.link).beyond) return own;
+    const EdgeEnd end = edge_end(layer_, sample.row, sample.column, edge);
+    const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
+    return other.made_up ? own : as_array(as_vector(other.change));
   }
 
   static constexpr bool kRaise = true;
@@ -165,7 +194,7 @@ class VertexMaker {
   }
 
   Eigen::Vector3d place_of(const CutSample& sample, const CutSum& sum) const {
-    const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
+    const double m = layer_.half_columns(sample.row, sample.column);
     const double j = sample.row;
     const Vector3 way_in_lattice = sum.in_lattice();
     Eigen::Vector3d place = geometry_.at(m + double{way_in_lattice.x()}, j + double{way_in_lattice.y()});
@@ -179,15 +208,17 @@ class VertexMaker {
     return place;
   }
 
-  // The walls that close or end the lattice at a sample: -1 or 1 along rows and layers, 0 for none.
+  // The walls that close or end the lattice at a sample: -1 or 1 across columns, rows and layers, 0 for none.
   struct Walls {
+    int m = 0;
     int j = 0;
     int k = 0;
-    bool any() const { return (j | k) != 0; }
+    bool any() const { return (m | j | k) != 0; }
   };
 
   Walls walls_at(const CutSample& sample, const Star& star) const {
     Walls walls;
+    if (sample.link != Link::kInner) walls.m = sample.column == 0 ? -1 : 1;
     if (at_end_) walls.k = !real(around_.at(-1)) ? -1 : 1;
     const auto ends = [&star](int j) {
       const auto missing = [&star](int edge) {
@@ -204,44 +235,32 @@ class VertexMaker {
   }
 
   // Of a cluster at a wall, only the cuts within the wall count, so that the rim stays there; or else those through it.
-  static EdgeMask bound(const Walls& walls, EdgeMask cuts) {
+  static EdgeMask bound(const Walls& walls, Link link, EdgeMask cuts) {
     if (!walls.any()) return cuts;
-    const auto along = [&cuts](int wall, auto part) {
-      if (wall == 0) return;
-      EdgeMask within = 0;
-      EdgeMask through = 0;
-      for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-        const int e = std::countr_zero(rest);
-        const int step = part(kLatticeSteps[static_cast<std::size_t>(e)]);
-        if (step == 0) within |= edge_bit(e);
-        if (step * wall > 0) through |= edge_bit(e);
-      }
-      if (within != 0) {
-        cuts = within;
-      } else if (through != 0) {
-        cuts = through;
+    const auto keep = [&cuts](EdgeMask within, EdgeMask through) {
+      if ((cuts & within) != 0) {
+        cuts = static_cast<EdgeMask>(cuts & within);
+      } else if ((cuts & through) != 0) {
+        cuts = static_cast<EdgeMask>(cuts & through);
       }
     };
-    along(walls.k, [](const LatticeStep& step) { return step.k; });
-    along(walls.j, [](const LatticeStep& step) { return step.j; });
+    if (walls.k != 0) keep(kWithin[0], kThrough[0][walls.k > 0 ? 1 : 0]);
+    if (walls.j != 0) keep(kWithin[1], kThrough[1][walls.j > 0 ? 1 : 0]);
+    if (walls.m != 0) keep(link_table(link).in_face, edge_bit(link_table(link).beyond));
     return cuts;
   }
 
   Eigen::Vector3d normal_of(const CutSample& sample, const Walls& walls, const Vector3& changes) const {
-    const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
+    const double m = layer_.half_columns(sample.row, sample.column);
     Eigen::Vector3d change(changes.x(), changes.y(), changes.z());
     if (walls.any()) {
       // In the middle of a cap the wall, not the field, says what is outside.
-      bool all_k = true, all_j = true;
-      for (EdgeMask rest = sample.cut; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-        const LatticeStep& step = kLatticeSteps[static_cast<std::size_t>(std::countr_zero(rest))];
-        all_k &= step.k * walls.k > 0;
-        all_j &= step.j * walls.j > 0;
-      }
-      if (all_k) {
+      if (walls.k != 0 && (sample.cut & ~kThrough[0][walls.k > 0 ? 1 : 0]) == 0) {
         change = {0.0, 0.0, -1.0 * walls.k};
-      } else if (all_j) {
+      } else if (walls.j != 0 && (sample.cut & ~kThrough[1][walls.j > 0 ? 1 : 0]) == 0) {
         change = {0.0, -1.0 * walls.j, 0.0};
+      } else if (walls.m != 0 && sample.cut == edge_bit(link_table(sample.link).beyond)) {
+        change = {-1.0 * walls.m, 0.0, 0.0};
       }
     }
     if (parallel_) {

@@ -68,6 +68,14 @@ void expect_sound(const Mesh& mesh, bool closed, const std::string& what) {
   }
 }
 
+// Closes a stack at its first and last rows.
+void make_far_outside_rows(std::vector<SampledLayer>& stack) {
+  for (SampledLayer& layer : stack) {
+    std::fill_n(layer.values.begin(), layer.columns, -1e30F);
+    std::fill_n(layer.values.end() - layer.columns, layer.columns, -1e30F);
+  }
+}
+
 void expect_sound_random_meshes(int count) {
   for (int n = 0; n < count; ++n) {
     const int kind = n % kRandomKinds;
@@ -89,6 +97,24 @@ void expect_sound_random_meshes(int count) {
         }
         if (::testing::Test::HasFailure()) return;
       }
+    }
+    // Flat sides make the stack half a column narrower.
+    auto flat = random_stack(kind, Lattice::kBodyCentred, 1000 + static_cast<std::uint64_t>(n));
+    for (SampledLayer& layer : flat) layer.flat_sides = true;
+    for (const bool cap : {false, true}) {
+      if (cap) make_far_outside_rows(flat);
+      const std::string what = "field " + std::to_string(n) + " with flat sides" + (cap ? ", capped" : "");
+      const auto placement = n % 4 == 3 ? VertexPlacement::kCurvature : VertexPlacement::kAverage;
+      MesherOptions options = with(Mesher::kRegularised, placement, cap);
+      options.cap_sides = cap;
+      const Mesh rmt = meshed(flat, options);
+      options.mesher = Mesher::kTetrahedra;
+      const Mesh mt = meshed(flat, options);
+      expect_sound(rmt, cap, what + ", RMT");
+      expect_sound(mt, cap, what + ", MT");
+      ASSERT_EQ(mesh_topology(rmt).euler_characteristic(), mesh_topology(mt).euler_characteristic()) << what;
+      ASSERT_EQ(mesh_topology(rmt).components, mesh_topology(mt).components) << what;
+      if (::testing::Test::HasFailure()) return;
     }
     auto cubes = random_stack(kind, Lattice::kCubic, 1000 + static_cast<std::uint64_t>(n));
     close_border(cubes);
