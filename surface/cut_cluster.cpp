@@ -114,15 +114,30 @@ class Rings {
   std::vector<Ring::Step> steps_;
 };
 
+// The ring around a cluster; `own` keeps it where it is not of a table.
+std::span<const Ring::Step> find_ring(EdgeMask cluster, Link link, Ring& own) {
+  static const Rings rings;
+  if (link == Link::kInner) return rings.around(cluster);
+  own = ring_around(cluster, link_table(link));
+  return std::span<const Ring::Step>(own.steps).first(static_cast<std::size_t>(own.length));
+}
+
+constexpr unsigned kBorder = kLatticeEdges;
+
+// The end of an edge that the cut of a step is near to.
+unsigned label_of(const Ring::Step& step, EdgeMask cut, const Star& star) {
+  const auto x = static_cast<unsigned>(step.x);
+  const auto y = static_cast<unsigned>(step.y);
+  if (!has_edge(star.there, step.y)) return kBorder;
+  const bool near_x = !has_edge(cut, step.y) && nearer_to_first(star.value[x], star.value[y], x < y);
+  return near_x ? x : y;
+}
+
 }  // namespace
 
 bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link) {
-  static const Rings rings;
-  Ring at_side;
-  if (link != Link::kInner) at_side = ring_around(cluster, link_table(link));
-  const std::span<const Ring::Step> ring =
-      link == Link::kInner ? rings.around(cluster)
-                           : std::span<const Ring::Step>(at_side.steps).first(static_cast<std::size_t>(at_side.length));
+  Ring own;
+  const std::span<const Ring::Step> ring = find_ring(cluster, link, own);
   if (ring.empty()) return false;
 
   // The diagonal of a quadrilateral leads from a cut of the cluster, OX, past a cut beside it, OY, to PY, which then is
@@ -132,26 +147,18 @@ bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link) {
 
   // Of each cut on the ring: the sample that it is near to, as `label`, and the end of the edge from the centre that is
   // cut, as `whole`. Each may be met in one run only.
-  constexpr unsigned kBorder = kLatticeEdges;
   constexpr unsigned kNone = kLatticeEdges + 1;
-  const auto label_of = [&](const Ring::Step& step) {
-    const auto x = static_cast<unsigned>(step.x);
-    const auto y = static_cast<unsigned>(step.y);
-    if (!has_edge(star.there, step.y)) return kBorder;
-    const bool near_x = !has_edge(cut, step.y) && nearer_to_first(star.value[x], star.value[y], x < y);
-    return near_x ? x : y;
-  };
   const auto whole_of = [&](const Ring::Step& step) {
     return has_edge(cut, step.y) ? static_cast<unsigned>(step.y) : kNone;
   };
-  unsigned label_before = label_of(ring.back());
+  unsigned label_before = label_of(ring.back(), cut, star);
   unsigned whole_before = whole_of(ring.back());
   unsigned labels = 0;
   unsigned label_runs = 0;
   unsigned wholes = 0;
   unsigned whole_twice = 0;
   for (const Ring::Step& step : ring) {
-    const unsigned label = label_of(step);
+    const unsigned label = label_of(step, cut, star);
     labels |= 1U << label;
     label_runs += label != label_before ? 1U : 0U;
     label_before = label;
@@ -163,6 +170,36 @@ bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link) {
   }
   whole_twice &= ~(1U << kNone);
   return whole_twice == 0 && label_runs >= 3 && label_runs == static_cast<unsigned>(count_ones(labels));
+}
+
+bool has_chord(EdgeMask cluster, EdgeMask cut, const Star& star, Link link, const Wall& wall) {
+  if ((cluster & wall.within) == 0) return false;
+  Ring own;
+  const std::span<const Ring::Step> ring = find_ring(cluster, link, own);
+  const auto on_wall = [&wall](unsigned label) {
+    return label != kBorder && has_edge(wall.within, static_cast<int>(label));
+  };
+  // Tetrahedra beyond the wall are those of a cap, which lies on it.
+  const auto beyond = [&wall, &star](const Ring::Step& step) {
+    return ((edge_bit(step.x) | edge_bit(step.y)) & (wall.through | ~star.there)) != 0;
+  };
+  const Ring::Step* before = &ring.back();
+  for (const Ring::Step& step : ring) {
+    const unsigned a = label_of(*before, cut, star);
+    const unsigned b = label_of(step, cut, star);
+    if (!beyond(*before) && !beyond(step)) {
+      if (a != b && on_wall(a) && on_wall(b)) return true;
+      // A diagonal may lead to the cut opposite, between the ends of both steps.
+      if (before->x == step.x && has_edge(cut, before->y) != has_edge(cut, step.y)) {
+        const auto y = static_cast<unsigned>(before->y);
+        const auto z = static_cast<unsigned>(step.y);
+        const unsigned c = nearer_to_first(star.value[y], star.value[z], y < z) ? y : z;
+        if (on_wall(c) && ((c != a && on_wall(a)) || (c != b && on_wall(b)))) return true;
+      }
+    }
+    before = &step;
+  }
+  return false;
 }
 
 }  // namespace fathom

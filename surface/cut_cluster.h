@@ -4,6 +4,7 @@
 
 #include "surface/cut_layer.h"
 #include "surface/star.h"
+#include "surface/wall.h"
 
 namespace fathom {
 
@@ -30,5 +31,9 @@ std::int32_t vertex_of(const CutSample& sample, int edge);
 /// sample's star only, and a mesh of which every cluster passes is a manifold like that of marching tetrahedra.
 /// It covers cases (a) to (c) of Treece 2000, figure 3.25, and what these leave open in noisy fields.
 bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link);
+
+/// Whether the vertex of a cluster, held on a wall, would make a triangle with two others that are held there although
+/// it lies on the inner side of the wall: it could have no area.
+bool has_chord(EdgeMask cluster, EdgeMask cut, const Star& star, Link link, const Wall& wall);
 
 }  // namespace fathom

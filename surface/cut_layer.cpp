@@ -11,6 +11,7 @@
 
 #include "surface/cut_cluster.h"
 #include "surface/star.h"
+#include "surface/wall.h"
 
 namespace fathom {
 
@@ -135,13 +136,19 @@ std::array<float, 3> change_at_border(const CutLayer& layer, const CutSample& sa
 }
 
 // Decides which near cuts become one vertex and counts the layer's vertices.
-void cluster_cuts(const Star& star, Clustering clustering, CutLayer& layer, CutSample& sample) {
+void cluster_cuts(const Star& star, Clustering clustering, const Walls* walls, CutLayer& layer, CutSample& sample) {
   sample.first_vertex = layer.vertices;
   for (EdgeMask rest = sample.near; rest != 0;) {
     const EdgeMask cluster = first_cluster(rest, sample.link);
     rest = static_cast<EdgeMask>(rest & ~cluster);
     const bool one = (cluster & (cluster - 1)) == 0;
-    if (one || (clustering == Clustering::kClusters && collapsible(cluster, sample.cut, star, sample.link))) {
+    const auto may_be_one = [&] {
+      if (!collapsible(cluster, sample.cut, star, sample.link)) return false;
+      return !walls || std::none_of(walls->begin(), walls->end(), [&](const Wall& wall) {
+        return has_chord(cluster, sample.cut, star, sample.link, wall);
+      });
+    };
+    if (one || (clustering == Clustering::kClusters && may_be_one())) {
       sample.kept |= cluster;
       sample.single = cluster == sample.near;
       ++layer.vertices;
@@ -231,10 +238,12 @@ void mark_cuts(CutLayer& layer, const CutLayer* below, const CutLayer* above, Cl
         if (at_end || side_row || sample.column <= 1 || sample.column + 2 >= columns) {
           sample.made_up = star.centre == kFarOutside;
           if (!sample.made_up) sample.change = change_at_border(layer, sample, star);
+          const Walls walls(layer, below, above, sample, star);
+          cluster_cuts(star, clustering, &walls, layer, sample);
         } else {
           sample.change = change_in(star.value.data());
+          cluster_cuts(star, clustering, nullptr, layer, sample);
         }
-        cluster_cuts(star, clustering, layer, sample);
       }
     }
   }

@@ -45,15 +45,13 @@ class Stack {
   }
 
  private:
-  // As far from the end as the layer before it. Cubes have all their vertices on edges, and are cut off in the end's
-  // own plane.
+  // Nearly in the plane of the end, so that the cap is; not quite, so that no two cuts to it and to what closes other
+  // sides are at one place. Cubes have no such two.
   SampledLayer beyond(const SampledLayer* end, const SampledLayer* before) const {
+    constexpr double kShareOfALayer = 1e-3;
     SampledLayer layer = *end;
     std::fill(layer.values.begin(), layer.values.end(), kFarOutside);
-    if (cubes_) return layer;
-    layer.origin += end->origin - before->origin;
-    layer.column_step += end->column_step - before->column_step;
-    layer.row_step += end->row_step - before->row_step;
+    if (!cubes_) layer.origin += kShareOfALayer * (end->origin - before->origin);
     return layer;
   }
 

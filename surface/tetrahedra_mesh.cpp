@@ -6,6 +6,7 @@
 #include "surface/bend_weight.h"
 #include "surface/cut_cluster.h"
 #include "surface/star.h"
+#include "surface/wall.h"
 
 namespace fathom {
 
@@ -34,19 +35,6 @@ const std::array<Vector4, kLatticeEdges> kOneAndStep = [] {
   }
   return list;
 }();
-
-// Of layers, and of rows: the edges that stay in one of them, and those that lead down and up.
-constexpr EdgeMask edges_with(bool layers, int step) {
-  EdgeMask mask = 0;
-  for (int e = 0; e < kLatticeEdges; ++e) {
-    const LatticeStep& way = kLatticeSteps[static_cast<std::size_t>(e)];
-    if ((layers ? way.k : way.j) == step) mask |= edge_bit(e);
-  }
-  return mask;
-}
-constexpr std::array<EdgeMask, 2> kWithin = {edges_with(true, 0), edges_with(false, 0)};
-constexpr std::array<std::array<EdgeMask, 2>, 2> kThrough = {
-    {{edges_with(true, -1), edges_with(true, 1)}, {edges_with(false, -1), edges_with(false, 1)}}};
 
 // The sum of the ways from a sample to cuts, by the layers to which their edges lead.
 struct CutSum {
@@ -89,7 +77,6 @@ class VertexMaker {
     }
     parallel_ = geometry_.next_per_m.isZero(0.0) && geometry_.next_per_j.isZero(0.0);
     if (parallel_) normal_of_change_ = geometry_.outward_map(0.0, 0.0);
-    at_end_ = !below || !above;
   }
 
   void add(const CutSample& sample) {
@@ -113,8 +100,8 @@ class VertexMaker {
 
  private:
   void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts, bool kept) {
-    const Walls walls = walls_at(sample, star);
-    cuts = bound(walls, sample.link, cuts);
+    const Walls walls(layer_, around_.at(-1), around_.at(1), sample, star);
+    cuts = walls.bound(cuts);
     const Vector3 own_change = as_vector(sample.change);
     const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
     const Eigen::Vector3d normal = weigh ? unit(steepest(own_change)) : Eigen::Vector3d::Zero();
@@ -208,60 +195,14 @@ class VertexMaker {
     return place;
   }
 
-  // The walls that close or end the lattice at a sample: -1 or 1 across columns, rows and layers, 0 for none.
-  struct Walls {
-    int m = 0;
-    int j = 0;
-    int k = 0;
-    bool any() const { return (m | j | k) != 0; }
-  };
-
-  Walls walls_at(const CutSample& sample, const Star& star) const {
-    Walls walls;
-    if (sample.link != Link::kInner) walls.m = sample.column == 0 ? -1 : 1;
-    if (at_end_) walls.k = !real(around_.at(-1)) ? -1 : 1;
-    const auto ends = [&star](int j) {
-      const auto missing = [&star](int edge) {
-        return !has_edge(star.there, edge) || star.value[static_cast<std::size_t>(edge)] == kFarOutside;
-      };
-      return missing(edge_along({0, j, -1})) && missing(edge_along({0, j, 1}));
-    };
-    if (sample.row <= 1 && ends(-1)) {
-      walls.j = -1;
-    } else if (sample.row + 2 >= layer_.samples->rows && ends(1)) {
-      walls.j = 1;
-    }
-    return walls;
-  }
-
-  // Of a cluster at a wall, only the cuts within the wall count, so that the rim stays there; or else those through it.
-  static EdgeMask bound(const Walls& walls, Link link, EdgeMask cuts) {
-    if (!walls.any()) return cuts;
-    const auto keep = [&cuts](EdgeMask within, EdgeMask through) {
-      if ((cuts & within) != 0) {
-        cuts = static_cast<EdgeMask>(cuts & within);
-      } else if ((cuts & through) != 0) {
-        cuts = static_cast<EdgeMask>(cuts & through);
-      }
-    };
-    if (walls.k != 0) keep(kWithin[0], kThrough[0][walls.k > 0 ? 1 : 0]);
-    if (walls.j != 0) keep(kWithin[1], kThrough[1][walls.j > 0 ? 1 : 0]);
-    if (walls.m != 0) keep(link_table(link).in_face, edge_bit(link_table(link).beyond));
-    return cuts;
-  }
-
   Eigen::Vector3d normal_of(const CutSample& sample, const Walls& walls, const Vector3& changes) const {
     const double m = layer_.half_columns(sample.row, sample.column);
     Eigen::Vector3d change(changes.x(), changes.y(), changes.z());
-    if (walls.any()) {
-      // In the middle of a cap the wall, not the field, says what is outside.
-      if (walls.k != 0 && (sample.cut & ~kThrough[0][walls.k > 0 ? 1 : 0]) == 0) {
-        change = {0.0, 0.0, -1.0 * walls.k};
-      } else if (walls.j != 0 && (sample.cut & ~kThrough[1][walls.j > 0 ? 1 : 0]) == 0) {
-        change = {0.0, -1.0 * walls.j, 0.0};
-      } else if (walls.m != 0 && sample.cut == edge_bit(link_table(sample.link).beyond)) {
-        change = {-1.0 * walls.m, 0.0, 0.0};
-      }
+    // In the middle of a cap the wall, not the field, says what is outside.
+    for (const Wall& wall : walls) {
+      if ((sample.cut & ~wall.through) != 0) continue;
+      change = {-1.0 * wall.outward.m, -1.0 * wall.outward.j, -1.0 * wall.outward.k};
+      break;
     }
     if (parallel_) {
       const Eigen::Vector3d fall = normal_of_change_ * change;
@@ -286,7 +227,6 @@ class VertexMaker {
   LayerGeometry geometry_;
   std::array<Way, 3> way_;
   bool parallel_ = false;  // all three layers have the same steps
-  bool at_end_ = false;
   Eigen::Matrix3d normal_of_change_;
 };
 

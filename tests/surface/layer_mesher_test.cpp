@@ -45,8 +45,12 @@ bool unit_normals(const Mesh& mesh) {
   return true;
 }
 
-// Expects a mesh without fault; `closed` or else with a boundary.
-void expect_sound(const Mesh& mesh, bool closed, const std::string& what) {
+// Of random fields, those of few whole values: cuts lie in the middle and in the third of edges, and three of them in
+// one line by chance where all are in the plane of a border or cap.
+constexpr int kWholeValues = 4;
+
+// Expects a mesh without fault; `closed` or else with a boundary. `in_line`: triangles without area may be there.
+void expect_sound(const Mesh& mesh, bool closed, const std::string& what, bool in_line = false) {
   SCOPED_TRACE(what);
   ASSERT_NO_THROW(require_valid(mesh, what));
   EXPECT_TRUE(unit_normals(mesh));
@@ -62,8 +66,7 @@ void expect_sound(const Mesh& mesh, bool closed, const std::string& what) {
     }
   }
   EXPECT_TRUE(all_different(mesh));
-  // At an open border noise may put three vertices of the rim, each held in the border, in one line.
-  if (closed) {
+  if (!in_line) {
     EXPECT_EQ(mesh_quality(mesh).zero_area_triangles, 0);
   }
 }
@@ -88,7 +91,7 @@ void expect_sound_random_meshes(int count) {
         const auto placement = n % 4 == 3 ? VertexPlacement::kCurvature : VertexPlacement::kAverage;
         const Mesh rmt = meshed(stack, with(Mesher::kRegularised, placement, cap));
         const Mesh mt = meshed(stack, with(Mesher::kTetrahedra, VertexPlacement::kAverage, cap));
-        expect_sound(rmt, !open, what + ", RMT");
+        expect_sound(rmt, !open, what + ", RMT", open && kind == kWholeValues);
         expect_sound(mt, !open, what + ", MT");
         ASSERT_EQ(mesh_topology(rmt).euler_characteristic(), mesh_topology(mt).euler_characteristic()) << what;
         ASSERT_EQ(mesh_topology(rmt).components, mesh_topology(mt).components) << what;
@@ -110,7 +113,7 @@ void expect_sound_random_meshes(int count) {
       const Mesh rmt = meshed(flat, options);
       options.mesher = Mesher::kTetrahedra;
       const Mesh mt = meshed(flat, options);
-      expect_sound(rmt, cap, what + ", RMT");
+      expect_sound(rmt, cap, what + ", RMT", kind == kWholeValues);
       expect_sound(mt, cap, what + ", MT");
       ASSERT_EQ(mesh_topology(rmt).euler_characteristic(), mesh_topology(mt).euler_characteristic()) << what;
       ASSERT_EQ(mesh_topology(rmt).components, mesh_topology(mt).components) << what;
