@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "surface/cut_layer.h"
+#include "surface/star.h"
 
 namespace fathom {
 

@@ -14,7 +14,8 @@
 
 namespace fathom {
 
-/// A row of a lattice in a box: its samples are half a column further where `shifted`.
+/// A row of a lattice in a box: its samples are half a column further where `shifted`. A body-centred lattice begins
+/// half a column before the box; samples that would lie outside are those of the box's faces.
 struct LatticeRow {
   int row = 0;
   int layer = 0;
@@ -37,6 +38,9 @@ class FieldRows {
 /// Values of a function in a box.
 std::unique_ptr<FieldRows> function_rows(const RowField& field, const Eigen::Vector3d& low_mm,
                                          const LatticeLayout& layout, const IsosurfaceOptions& options);
+
+/// How far the columns of a row begin from the box, in column steps.
+double first_column(Lattice lattice, bool shifted);
 
 /// Distances between a volume's voxels along its axes, mm.
 /// Throws Error when the volume has not one channel of a type that can be read, fewer than two voxels along an axis, or

@@ -14,8 +14,8 @@
 
 #include "core/error.h"
 #include "core/numbers.h"
+#include "surface/cut_layer.h"
 #include "surface/field_rows.h"
-#include "surface/lattice_border.h"
 #include "surface/lattice_layout.h"
 #include "surface/vertex_normals.h"
 
@@ -55,7 +55,8 @@ class LayerWindow {
         layout_(layout),
         reference_from_lattice_(reference_from_lattice),
         centred_(options.mesher.lattice() == Lattice::kBodyCentred),
-        border_(options.cap ? 1 : 0),
+        border_rows_(options.cap ? 1 : 0),
+        border_columns_(options.cap && !centred_ ? 1 : 0),
         stack_(static_cast<std::size_t>(layout.layers), nullptr) {}
 
   /// One for each layer; null where there is none now.
@@ -63,31 +64,17 @@ class LayerWindow {
 
   /// Makes layers from `first` to `last - 1` ready for the mesher. Both may only grow.
   void move_to(int first, int last) {
-    const bool flatten = border_ != 0 && centred_;
-    sample_to(std::min(last + (flatten ? 2 : 0), layout_.layers));
-    if (flatten) {
-      for (; flat_found_ < std::min(last + 1, layout_.layers); ++flat_found_) {
-        find_flat_sides(*at(flat_found_), at(flat_found_ - 1), at(flat_found_ + 1));
-      }
-      for (; flattened_ < last; ++flattened_) {
-        flatten_sides(*at(flattened_), at(flattened_ - 1), at(flattened_ + 1));
-      }
-    }
-    // Before a layer is flattened the one below it is still looked at; `first` stays far behind.
+    sample_to(std::min(last, layout_.layers));
     for (; low_ < first; ++low_) {
       stack_[static_cast<std::size_t>(low_)] = nullptr;
       spare_.push_back(std::move(window_.front()));
       window_.pop_front();
     }
-    for (; ready_ < last; ++ready_) stack_[static_cast<std::size_t>(ready_)] = &at(ready_)->samples;
+    for (; ready_ < last; ++ready_) stack_[static_cast<std::size_t>(ready_)] = &at(ready_);
   }
 
  private:
-  BorderedLayer* at(int k) {
-    const int index = k - low_;
-    if (index < 0 || index >= static_cast<int>(window_.size())) return nullptr;
-    return &window_[static_cast<std::size_t>(index)];
-  }
+  SampledLayer& at(int k) { return window_[static_cast<std::size_t>(k - low_)]; }
 
   void sample_to(int last) {
     const int first = low_ + static_cast<int>(window_.size());
@@ -117,41 +104,53 @@ class LayerWindow {
     if (spare_.empty()) spare_.emplace_back();
     window_.push_back(std::move(spare_.back()));
     spare_.pop_back();
-    BorderedLayer& layer = window_.back();
-    layer.parity = k & 1;
-    SampledLayer& samples = layer.samples;
-    samples.columns = layout_.columns + 2 * border_;
-    samples.rows = layout_.rows + 2 * border_;
-    samples.values.resize(static_cast<std::size_t>(samples.columns) * static_cast<std::size_t>(samples.rows));
-    samples.origin = reference_from_lattice_ * Eigen::Vector3d(-border_, -border_, k);
-    samples.column_step = reference_from_lattice_.linear().col(0);
-    samples.row_step = reference_from_lattice_.linear().col(1);
-    if (border_ != 0) add_border(layer);
+    SampledLayer& layer = window_.back();
+    layer.columns = layout_.columns + 2 * border_columns_;
+    layer.rows = layout_.rows + 2 * border_rows_;
+    layer.flat_sides = centred_;
+    layer.values.resize(static_cast<std::size_t>(layer.columns) * static_cast<std::size_t>(layer.rows));
+    const double first = first_column(centred_ ? Lattice::kBodyCentred : Lattice::kCubic, false);
+    layer.origin = reference_from_lattice_ * Eigen::Vector3d(first - border_columns_, -border_rows_, k);
+    layer.column_step = reference_from_lattice_.linear().col(0);
+    layer.row_step = reference_from_lattice_.linear().col(1);
+    mark_border(layer);
+  }
+
+  // What closes the surface at the sides of the box: samples far outside.
+  void mark_border(SampledLayer& layer) const {
+    if (border_rows_ != 0) {
+      std::fill_n(layer.values.begin(), layer.columns, kFarOutside);
+      std::fill_n(layer.values.end() - layer.columns, layer.columns, kFarOutside);
+    }
+    for (int j = 0; border_columns_ != 0 && j < layer.rows; ++j) {
+      const auto row = layer.values.begin() + static_cast<std::ptrdiff_t>(j) * layer.columns;
+      row[0] = kFarOutside;
+      row[layer.columns - 1] = kFarOutside;
+    }
   }
 
   LatticeRow lattice_row(int layer, int row) const {
-    return {row, layer, centred_ && ((row + border_ + layer) & 1) != 0};
+    return {row, layer, centred_ && ((row + border_rows_ + layer) & 1) != 0};
   }
 
   std::span<float> row_values(const LatticeRow& row) {
-    SampledLayer& samples = at(row.layer)->samples;
-    const auto begin = static_cast<std::size_t>(row.row + border_) * static_cast<std::size_t>(samples.columns) +
-                       static_cast<std::size_t>(border_);
-    return std::span(samples.values).subspan(begin, static_cast<std::size_t>(layout_.columns));
+    SampledLayer& layer = at(row.layer);
+    const auto begin = static_cast<std::size_t>(row.row + border_rows_) * static_cast<std::size_t>(layer.columns) +
+                       static_cast<std::size_t>(border_columns_);
+    return std::span(layer.values).subspan(begin, static_cast<std::size_t>(layout_.columns));
   }
 
   const FieldRows& field_;
   const LatticeLayout& layout_;
   const Eigen::Affine3d& reference_from_lattice_;
   bool centred_;
-  int border_;
+  int border_rows_;  // added on either side
+  int border_columns_;
   int low_ = 0;  // number of the window's first layer
-  int flat_found_ = 0;
-  int flattened_ = 0;
   int ready_ = 0;
-  std::deque<BorderedLayer> window_;
+  std::deque<SampledLayer> window_;
   std::vector<const SampledLayer*> stack_;
-  std::vector<BorderedLayer> spare_;  // kept for their memory
+  std::vector<SampledLayer> spare_;  // kept for their memory
 };
 
 int batch_size(const LatticeLayout& layout, const IsosurfaceOptions& options) {
@@ -186,6 +185,7 @@ Mesh mesh_field(const FieldRows& field, const LatticeLayout& layout, const Eigen
                 const IsosurfaceOptions& options, const Progress& progress) {
   MesherOptions mesher = options.mesher;
   mesher.cap_ends = options.cap;
+  mesher.cap_sides = options.cap;
   LayerWindow window(field, layout, reference_from_lattice, options);
   StackMesher meshes(window.stack(), mesher);
   Mesh mesh;

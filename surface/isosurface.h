@@ -22,7 +22,7 @@ struct IsosurfaceOptions {
   /// each other where the extent is no multiple of it. Where not given, the smallest distance of a volume's voxels; a
   /// function needs one.
   std::optional<double> spacing_mm;
-  MesherOptions mesher;  ///< `cap_ends` does not matter; `cap` decides
+  MesherOptions mesher;  ///< `cap_ends` and `cap_sides` do not matter; `cap` decides
   /// Layers that are sampled and meshed at a time; 0 for as many as suit the cache. The mesh does not depend on it.
   int batch_layers = 0;
 

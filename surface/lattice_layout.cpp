@@ -50,7 +50,7 @@ Counts counts_for(const Eigen::Vector3d& extent_mm, double spacing_mm, Lattice l
     counts.columns = steps_along(extent_mm.x(), spacing_mm) + 1.0;
   } else {
     const double half_steps = steps_along(extent_mm.x(), spacing_mm / std::numbers::sqrt2);
-    counts.columns = std::max(2.0, std::ceil((half_steps + 1.0) / 2.0));
+    counts.columns = std::max(3.0, std::ceil((half_steps + 3.0) / 2.0));
   }
   return counts;
 }
@@ -92,7 +92,7 @@ LatticeLayout lattice_layout(const Eigen::Vector3d& extent_mm, double spacing_mm
   layout.columns = static_cast<int>(counts.columns);
   layout.rows = static_cast<int>(counts.rows);
   layout.layers = static_cast<int>(counts.layers);
-  const double column_steps = lattice == Lattice::kCubic ? counts.columns - 1.0 : counts.columns - 0.5;
+  const double column_steps = lattice == Lattice::kCubic ? counts.columns - 1.0 : counts.columns - 1.5;
   layout.step_mm = extent_mm.cwiseQuotient(Eigen::Vector3d(column_steps, counts.rows - 1.0, counts.layers - 1.0));
   return layout;
 }

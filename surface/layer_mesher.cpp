@@ -19,8 +19,11 @@ namespace {
 // The stack with what closes it: layers from -1 to its size where the ends are capped.
 class Stack {
  public:
-  Stack(std::span<const SampledLayer* const> layers, bool cap_ends)
-      : layers_(layers), size_(static_cast<int>(layers.size())), capped_(cap_ends) {}
+  Stack(std::span<const SampledLayer* const> layers, const MesherOptions& options)
+      : layers_(layers),
+        size_(static_cast<int>(layers.size())),
+        capped_(options.cap_ends),
+        cubes_(options.mesher == Mesher::kCubes) {}
 
   int low() const { return capped_ ? -1 : 0; }
   int high() const { return capped_ ? size_ + 1 : size_; }
@@ -30,8 +33,10 @@ class Stack {
   /// there.
   void make_ends(int first, int last) {
     if (!capped_) return;
-    if (first < 0 && ends_[0].values.empty()) ends_[0] = outside(*layers_.front());
-    if (last > size_ && ends_[1].values.empty()) ends_[1] = outside(*layers_.back());
+    if (first < 0 && ends_[0].values.empty()) ends_[0] = beyond(layers_[0], layers_[1]);
+    if (last > size_ && ends_[1].values.empty()) {
+      ends_[1] = beyond(layers_.back(), layers_[layers_.size() - 2]);
+    }
   }
   const SampledLayer* at(int k) const {
     if (k < low() || k >= high()) return nullptr;
@@ -40,14 +45,20 @@ class Stack {
   }
 
  private:
-  static SampledLayer outside(SampledLayer layer) {
+  // Nearly in the plane of the end, so that the cap is; not quite, so that no two cuts to it and to what closes other
+  // sides are at one place. Cubes have no such two.
+  SampledLayer beyond(const SampledLayer* end, const SampledLayer* before) const {
+    constexpr double kShareOfALayer = 1e-3;
+    SampledLayer layer = *end;
     std::fill(layer.values.begin(), layer.values.end(), kFarOutside);
+    if (!cubes_) layer.origin += kShareOfALayer * (end->origin - before->origin);
     return layer;
   }
 
   std::span<const SampledLayer* const> layers_;
   int size_;
   bool capped_;
+  bool cubes_;
   std::array<SampledLayer, 2> ends_;
 };
 
@@ -75,6 +86,7 @@ class TetrahedraLayers {
       : stack_(stack),
         placement_(options.placement),
         clustering_(options.mesher == Mesher::kRegularised ? Clustering::kClusters : Clustering::kNone),
+        cap_sides_(options.cap_sides),
         layers_(kLayersAtATime + 5),
         begun_(std::max(stack.low(), first - 2)),
         cut_(std::max(stack.low(), first - 1)) {}
@@ -95,13 +107,18 @@ class TetrahedraLayers {
       mesh.normals.reserve(vertices);
       mesh.triangles.reserve(5 * vertices / 2);  // about two for each vertex of a closed surface
       // The made-up layer below the stack has no vertices; its triangles go to the first layer.
-      if (k == 0 && stack_.low() < 0) add_triangles(*at(-1), *at(0), mesh);
+      if (k == 0 && stack_.low() < 0) add_between(*at(-1), *at(0), mesh);
       add_vertices({{at(k - 1), at(k), at(k + 1)}}, placement_, mesh);
-      if (at(k + 1)) add_triangles(*at(k), *at(k + 1), mesh);
+      if (at(k + 1)) add_between(*at(k), *at(k + 1), mesh);
     });
   }
 
  private:
+  static void add_between(const CutLayer& layer, const CutLayer& above, LayerMesh& mesh) {
+    add_triangles(layer, above, mesh);
+    if (layer.capped_sides) add_side_caps(layer, above, mesh);
+  }
+
   // Null outside of the stack; valid for the last layers that were begun, as many as there are in `layers_`.
   CutLayer* at(int k) {
     if (k < stack_.low() || k >= stack_.high()) return nullptr;
@@ -113,12 +130,14 @@ class TetrahedraLayers {
     layer.samples = stack_.at(k);
     layer.parity = k & 1;
     layer.beyond = stack_.beyond(k);
+    layer.capped_sides = cap_sides_ && layer.samples->flat_sides;
     mark_inside(layer);
   }
 
   const Stack& stack_;
   VertexPlacement placement_;
   Clustering clustering_;
+  bool cap_sides_;
   std::vector<CutLayer> layers_;
   int begun_;
   int cut_;
@@ -151,7 +170,7 @@ void mesh_cubes(const Stack& stack, int first, int last, std::span<LayerMesh> me
 class StackMesher::Layers {
  public:
   Layers(std::span<const SampledLayer* const> stack, const MesherOptions& options, int first)
-      : stack_(stack, options.cap_ends), next_(first) {
+      : stack_(stack, options), next_(first) {
     if (options.mesher != Mesher::kCubes) tetrahedra_.emplace(stack_, options, first);
   }
 

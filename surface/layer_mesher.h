@@ -30,6 +30,8 @@ struct MesherOptions {
   /// Closes the surface flat on the first and last layer of the stack: as if one more layer, all outside, lay directly
   /// beyond. Vertices of the rim stay in the end layer's plane.
   bool cap_ends = false;
+  /// The same on the sides of layers that have flat ones, just where these are.
+  bool cap_sides = false;
   /// The lattice that the mesher needs.
   Lattice lattice() const { return mesher == Mesher::kCubes ? Lattice::kCubic : Lattice::kBodyCentred; }
 };

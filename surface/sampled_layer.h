@@ -24,6 +24,9 @@ struct SampledLayer {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< millimetres
   Eigen::Vector3d column_step = Eigen::Vector3d::UnitX();
   Eigen::Vector3d row_step = Eigen::Vector3d::UnitY();
+  /// Of a body-centred lattice of at least 3 columns: the first sample of rows that are not shifted and the last one of
+  /// those that are lie half a column further in, so that all rows begin and end in the same two planes.
+  bool flat_sides = false;
 };
 
 }  // namespace fathom

@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "surface/bend_weight.h"
+#include "surface/cut_cluster.h"
+#include "surface/star.h"
+#include "surface/wall.h"
 
 namespace fathom {
 
@@ -74,59 +77,64 @@ class VertexMaker {
     }
     parallel_ = geometry_.next_per_m.isZero(0.0) && geometry_.next_per_j.isZero(0.0);
     if (parallel_) normal_of_change_ = geometry_.outward_map(0.0, 0.0);
-    at_end_ = !below || !above;
   }
 
   void add(const CutSample& sample) {
     const Star star = stars_.at(sample.row, sample.column);
     if (sample.single) {
-      add_vertex(sample, star, sample.near);
+      add_vertex(sample, star, sample.near, true);
       return;
     }
     for (EdgeMask rest = sample.near; rest != 0;) {
-      const EdgeMask cluster = first_cluster(rest);
+      const EdgeMask cluster = first_cluster(rest, sample.link);
       rest = static_cast<EdgeMask>(rest & ~cluster);
       if ((cluster & sample.kept) != 0) {
-        add_vertex(sample, star, cluster);
+        add_vertex(sample, star, cluster, true);
         continue;
       }
       for (EdgeMask one = cluster; one != 0; one = static_cast<EdgeMask>(one & (one - 1))) {
-        add_vertex(sample, star, edge_bit(std::countr_zero(one)));
+        add_vertex(sample, star, edge_bit(std::countr_zero(one)), false);
       }
     }
   }
 
  private:
-  void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts) {
-    const Walls walls = walls_at(sample, star);
-    cuts = bound(walls, cuts);
+  void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts, bool kept) {
+    const Walls walls(layer_, around_.at(-1), around_.at(1), sample, star);
+    cuts = walls.bound(cuts);
     const Vector3 own_change = as_vector(sample.change);
     const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
     const Eigen::Vector3d normal = weigh ? unit(steepest(own_change)) : Eigen::Vector3d::Zero();
     CutSum sum;
     const Vector4 own = as_array(own_change);
+    // Samples on flat sides have edges that are shorter than others, and so do their neighbours.
+    const bool at_side =
+        layer_.samples->flat_sides && (sample.column <= 1 || sample.column + 2 >= layer_.samples->columns);
     Vector4 all_changes = Vector4::Zero();
     float weights = 0.0F;
     int count = 0;
     float heights = 0.0F;  // of change . way over all cuts
+    const int side_edge = link_table(sample.link).beyond;
+    // A cap is where the samples are. Only cuts that all become vertices must differ: half as far as others are at
+    // least, since some of these edges lie in the middle of others, and three cuts in line.
+    const float cap_cut = kept ? 0.0F : kLeastCut / 2;
     for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
       const auto e = static_cast<std::size_t>(std::countr_zero(rest));
       const float there = star.value[e];
-      const bool cap = there == kFarOutside;
-      // Half as far on made-up edges: some of these lie in the middle of others, and three cuts in line.
-      const float t = cap ? kLeastCut / 2 : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
-      const EdgeEnd end = edge_end(layer_, sample.row, sample.column, static_cast<int>(e));
-      const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
-      const Vector4 change = other.made_up ? own : Vector4((1.0F - t) * own + t * as_array(as_vector(other.change)));
+      const float t = there == kFarOutside ? cap_cut : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
+      const Vector4 change = Vector4((1.0F - t) * own + t * change_at_end(sample, static_cast<int>(e), own));
       all_changes += change;
       ++count;
-      const Vector4 way = t * kOneAndStep[e];
+      Vector4 step = kOneAndStep[e];
+      if (at_side && static_cast<int>(e) != side_edge)
+        step[1] = static_cast<float>(step_along(layer_, sample.row, sample.column, static_cast<int>(e)));
+      const Vector4 way = t * step;
       const Vector4 height = change * way;
       heights += height[1] + (height[2] + height[3]);
       if (weigh) {
         const auto weight = static_cast<float>(bend_weight(star, static_cast<int>(e), normal));
         weights += weight;
-        sum.add(e, (weight * t) * kOneAndStep[e]);
+        sum.add(e, weight * way);
       } else {
         weights += 1.0F;
         sum.add(e, way);
@@ -141,6 +149,14 @@ class VertexMaker {
     }
     mesh_.vertices.push_back(place_of(sample, sum));
     mesh_.normals.push_back(normal_of(sample, walls, changes));
+  }
+
+  // The change of the field at the end of an edge that is cut; `own` where that end is made up.
+  Vector4 change_at_end(const CutSample& sample, int edge, const Vector4& own) const {
+    if (edge == link_table(sample.link).beyond) return own;
+    const EdgeEnd end = edge_end(layer_, sample.row, sample.column, edge);
+    const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
+    return other.made_up ? own : as_array(as_vector(other.change));
   }
 
   static constexpr bool kRaise = true;
@@ -165,7 +181,7 @@ class VertexMaker {
   }
 
   Eigen::Vector3d place_of(const CutSample& sample, const CutSum& sum) const {
-    const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
+    const double m = layer_.half_columns(sample.row, sample.column);
     const double j = sample.row;
     const Vector3 way_in_lattice = sum.in_lattice();
     Eigen::Vector3d place = geometry_.at(m + double{way_in_lattice.x()}, j + double{way_in_lattice.y()});
@@ -179,70 +195,14 @@ class VertexMaker {
     return place;
   }
 
-  // The walls that close or end the lattice at a sample: -1 or 1 along rows and layers, 0 for none.
-  struct Walls {
-    int j = 0;
-    int k = 0;
-    bool any() const { return (j | k) != 0; }
-  };
-
-  Walls walls_at(const CutSample& sample, const Star& star) const {
-    Walls walls;
-    if (at_end_) walls.k = !real(around_.at(-1)) ? -1 : 1;
-    const auto ends = [&star](int j) {
-      const auto missing = [&star](int edge) {
-        return !has_edge(star.there, edge) || star.value[static_cast<std::size_t>(edge)] == kFarOutside;
-      };
-      return missing(edge_along({0, j, -1})) && missing(edge_along({0, j, 1}));
-    };
-    if (sample.row <= 1 && ends(-1)) {
-      walls.j = -1;
-    } else if (sample.row + 2 >= layer_.samples->rows && ends(1)) {
-      walls.j = 1;
-    }
-    return walls;
-  }
-
-  // Of a cluster at a wall, only the cuts within the wall count, so that the rim stays there; or else those through it.
-  static EdgeMask bound(const Walls& walls, EdgeMask cuts) {
-    if (!walls.any()) return cuts;
-    const auto along = [&cuts](int wall, auto part) {
-      if (wall == 0) return;
-      EdgeMask within = 0;
-      EdgeMask through = 0;
-      for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-        const int e = std::countr_zero(rest);
-        const int step = part(kLatticeSteps[static_cast<std::size_t>(e)]);
-        if (step == 0) within |= edge_bit(e);
-        if (step * wall > 0) through |= edge_bit(e);
-      }
-      if (within != 0) {
-        cuts = within;
-      } else if (through != 0) {
-        cuts = through;
-      }
-    };
-    along(walls.k, [](const LatticeStep& step) { return step.k; });
-    along(walls.j, [](const LatticeStep& step) { return step.j; });
-    return cuts;
-  }
-
   Eigen::Vector3d normal_of(const CutSample& sample, const Walls& walls, const Vector3& changes) const {
-    const double m = 2.0 * sample.column + (layer_.shifted(sample.row) ? 1.0 : 0.0);
+    const double m = layer_.half_columns(sample.row, sample.column);
     Eigen::Vector3d change(changes.x(), changes.y(), changes.z());
-    if (walls.any()) {
-      // In the middle of a cap the wall, not the field, says what is outside.
-      bool all_k = true, all_j = true;
-      for (EdgeMask rest = sample.cut; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
-        const LatticeStep& step = kLatticeSteps[static_cast<std::size_t>(std::countr_zero(rest))];
-        all_k &= step.k * walls.k > 0;
-        all_j &= step.j * walls.j > 0;
-      }
-      if (all_k) {
-        change = {0.0, 0.0, -1.0 * walls.k};
-      } else if (all_j) {
-        change = {0.0, -1.0 * walls.j, 0.0};
-      }
+    // In the middle of a cap the wall, not the field, says what is outside.
+    for (const Wall& wall : walls) {
+      if ((sample.cut & ~wall.through) != 0) continue;
+      change = {-1.0 * wall.outward.m, -1.0 * wall.outward.j, -1.0 * wall.outward.k};
+      break;
     }
     if (parallel_) {
       const Eigen::Vector3d fall = normal_of_change_ * change;
@@ -267,7 +227,6 @@ class VertexMaker {
   LayerGeometry geometry_;
   std::array<Way, 3> way_;
   bool parallel_ = false;  // all three layers have the same steps
-  bool at_end_ = false;
   Eigen::Matrix3d normal_of_change_;
 };
 

@@ -23,4 +23,7 @@ void add_vertices(const LayerStar& around, VertexPlacement placement, LayerMesh&
 /// Appends the triangles between a layer and the next, `above`.
 void add_triangles(const CutLayer& layer, const CutLayer& above, LayerMesh& mesh);
 
+/// Appends the triangles that close the surface between a layer and the next at their flat sides.
+void add_side_caps(const CutLayer& layer, const CutLayer& above, LayerMesh& mesh);
+
 }  // namespace fathom

@@ -51,7 +51,8 @@ class VolumeRows : public FieldRows {
     const Eigen::Vector3d spacing_mm = voxel_spacing_mm(volume);
     const Eigen::Vector3d step = layout.step_mm.cwiseQuotient(spacing_mm);
     for (std::size_t shifted = 0; shifted < 2; ++shifted) {
-      const AxisPlaces columns = axis_places(layout.columns, shifted != 0 ? 0.5 * step.x() : 0.0, step.x(), size(2));
+      const AxisPlaces columns = axis_places(
+          layout.columns, step.x() * first_column(options.mesher.lattice(), shifted != 0), step.x(), size(2));
       column_[shifted] = columns.below;
       column_weight_[shifted].assign(columns.weight.begin(), columns.weight.end());
     }

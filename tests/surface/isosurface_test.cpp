@@ -17,30 +17,13 @@
 #include "core/random.h"
 #include "surface/mesh_check.h"
 #include "surface/mesh_measure.h"
+#include "tests/surface/isosurfaces.h"
 #include "tests/surface/shapes.h"
 
 namespace fathom {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr std::array kMeshers = {Mesher::kRegularised, Mesher::kTetrahedra, Mesher::kCubes};
-
-double ball_mm3(double radius_mm) { return 4.0 / 3.0 * kPi * radius_mm * radius_mm * radius_mm; }
-
-PointField ball(const Eigen::Vector3d& centre_mm, double radius_mm) {
-  return [=](const Eigen::Vector3d& place_mm) { return radius_mm - (place_mm - centre_mm).norm(); };
-}
-
-Eigen::AlignedBox3d cube(double half_mm) {
-  return {Eigen::Vector3d::Constant(-half_mm), Eigen::Vector3d::Constant(half_mm)};
-}
-
-IsosurfaceOptions options_for(Mesher mesher, std::optional<double> spacing_mm = std::nullopt) {
-  IsosurfaceOptions options;
-  options.mesher.mesher = mesher;
-  options.spacing_mm = spacing_mm;
-  return options;
-}
+using namespace isosurfaces;
 
 // The field at the centres of voxels, of OpenCV's type `depth`.
 Volume sampled(const PointField& field, const std::array<int, 3>& slices_rows_columns,
@@ -57,14 +40,6 @@ Volume sampled(const PointField& field, const std::array<int, 3>& slices_rows_co
   }
   volume.voxels.convertTo(volume.voxels, depth);
   return volume;
-}
-
-void expect_sound(const Mesh& mesh) {
-  require_valid(mesh, "mesh");
-  const MeshTopology topology = mesh_topology(mesh);
-  EXPECT_TRUE(topology.manifold());
-  EXPECT_TRUE(topology.oriented());
-  EXPECT_EQ(topology.unused_vertices, 0);
 }
 
 void expect_same(const Mesh& a, const Mesh& b) {
@@ -199,56 +174,6 @@ TEST(Isosurface, DoesNotDependOnBatchesAndThreads) {
     }
   }
   cv::setNumThreads(threads);
-}
-
-TEST(Isosurface, IsOpenAtTheBorderUnlessCapped) {
-  for (const Mesher mesher : kMeshers) {
-    IsosurfaceOptions options = options_for(mesher, 0.5);
-    const Mesh open = isosurface(ball({0, 0, 5}, 4.0), cube(5.0), options);
-    expect_sound(open);
-    EXPECT_FALSE(mesh_topology(open).closed());
-    options.cap = true;
-    const Mesh capped = isosurface(ball({0, 0, 5}, 4.0), cube(5.0), options);
-    expect_sound(capped);
-    EXPECT_TRUE(mesh_topology(capped).closed());
-  }
-}
-
-// Cut in half by each of the faces in turn.
-TEST(Isosurface, CapsAreFlatOnEveryFace) {
-  constexpr double kSpacingMm = 0.25;
-  for (const Mesher mesher : kMeshers) {
-    for (int face = 0; face < 6; ++face) {
-      const double side = face % 2 == 0 ? 1.0 : -1.0;
-      const Eigen::Vector3d normal = side * Eigen::Vector3d::Unit(face / 2);
-      IsosurfaceOptions options = options_for(mesher, kSpacingMm);
-      options.cap = true;
-      const Mesh mesh = isosurface(ball(5.0 * normal, 4.0), cube(5.0), options);
-      expect_sound(mesh);
-      EXPECT_NEAR(volume_mm3(mesh) / (0.5 * ball_mm3(4.0)), 1.0, 0.01) << face;
-      for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-        const double beyond_mm = normal.dot(mesh.vertices[i]) - 5.0;
-        EXPECT_LT(beyond_mm, 0.01 * kSpacingMm);
-        // The middle of the cap, away from its rim.
-        if ((mesh.vertices[i] - 5.0 * normal).norm() > 3.0) continue;
-        EXPECT_GT(beyond_mm, -0.01 * kSpacingMm);
-        EXPECT_GT(mesh.normals[i].dot(normal), 0.9);
-      }
-    }
-  }
-}
-
-TEST(Isosurface, OfAFieldThatIsInsideEverywhereIsTheCappedBox) {
-  const PointField field = [](const Eigen::Vector3d& p) { return 3.0 + std::sin(p.x()) + std::cos(p.y() + p.z()); };
-  const Eigen::AlignedBox3d box_mm(Eigen::Vector3d{1.0, 2.0, 3.0}, Eigen::Vector3d{4.0, 7.0, 10.0});
-  for (const Mesher mesher : kMeshers) {
-    IsosurfaceOptions options = options_for(mesher, 0.2);
-    expect_refused([&] { isosurface(field, box_mm, options); }, {"no value crosses 0", "lie between"});
-    options.cap = true;
-    const Mesh mesh = isosurface(field, box_mm, options);
-    expect_sound(mesh);
-    EXPECT_NEAR(volume_mm3(mesh) / box_mm.volume(), 1.0, 0.003);
-  }
 }
 
 TEST(Isosurface, InsideMayLieBelowTheValue) {
