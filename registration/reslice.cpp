@@ -51,12 +51,16 @@ template <typename Pixel>
 class TypedPainter : public Painter {
  public:
   TypedPainter(const ResliceFrames& frames, const NearFrames& near, ResliceMode mode, bool slab, Resliced& out)
-      : frames_(frames), near_(near), mode_(mode), slab_(slab), out_(out) {
-    if (slab && mode != ResliceMode::kMax) sums_.resize(out.picture.total());
+      : frames_(frames),
+        near_(near),
+        nearest_(mode == ResliceMode::kMax || (mode == ResliceMode::kNearest && !slab)),
+        slab_(slab),
+        out_(out) {
+    if (slab && !nearest_) sums_.resize(out.picture.total());
   }
 
   void paint(const ReslicePass& pass, int batch, const std::vector<cv::Mat>& images) override {
-    std::vector<std::optional<FramePixels<Pixel>>> pixels(images.size());
+    typename RowPixels<Pixel>::Images pixels(images.size());
     for (std::size_t i = 0; i < images.size(); ++i) {
       if (!images[i].empty()) pixels[i].emplace(images[i], frames_);
     }
@@ -65,17 +69,18 @@ class TypedPainter : public Painter {
         rows,
         [&](const cv::Range& range) {
           RowFunctions functions;
+          RowPixels<Pixel> found(out_.picture.cols);
           std::vector<std::int32_t> values(static_cast<std::size_t>(out_.picture.cols));
-          std::vector<Pixel> nearest(slab_ ? values.size() : 0);
           for (int v = range.start; v < range.end; ++v) {
             for (int layer = 0; layer < pass.layers(); ++layer) {
               const auto runs = pass.runs(v, layer, batch);
               if (runs.empty()) continue;
               functions.set(near_, pass.row(v, layer), pass.first_frame(batch), pass.end_frame(batch));
               for (const ResliceRun& run : runs) {
-                const auto i = static_cast<std::size_t>(run.frame);
-                paint_run(functions, run, v, *pixels[i], run.pair ? &*pixels[i + 1] : nullptr, values.data(),
-                          nearest.data());
+                nearest_ ? found.find_nearest(functions, run, pixels) : found.find_linear(functions, run, pixels);
+              }
+              for (const ResliceRun& run : runs) {
+                paint_run(found, run, v, pixels[static_cast<std::size_t>(run.frame)]->stride, values.data());
               }
             }
           }
@@ -96,42 +101,33 @@ class TypedPainter : public Painter {
   }
 
  private:
-  void paint_run(const RowFunctions& functions, const ResliceRun& run, int v, const FramePixels<Pixel>& a,
-                 const FramePixels<Pixel>* b, std::int32_t* values, Pixel* nearest) {
-    Pixel* const picture = out_.picture.ptr<Pixel>(v);
-    std::uint8_t* const covered = out_.covered.ptr<std::uint8_t>(v);
+  void paint_run(const RowPixels<Pixel>& found, const ResliceRun& run, int v, std::ptrdiff_t stride,
+                 std::int32_t* values) {
+    Pixel* const picture = out_.picture.ptr<Pixel>(v) + run.first;
+    std::uint8_t* const covered = out_.covered.ptr<std::uint8_t>(v) + run.first;
     const int length = run.end - run.first;
     if (!slab_) {
-      if (mode_ == ResliceMode::kNearest || mode_ == ResliceMode::kMax) {
-        nearest_run(functions, run, a, b, picture + run.first);
-      } else {
-        linear_run<0>(functions, run, a, b, picture + run.first);
-      }
-    } else if (mode_ == ResliceMode::kMax) {
-      nearest_run(functions, run, a, b, nearest);
+      nearest_ ? found.nearest(run, picture) : found.template linear<0>(run, stride, picture);
+    } else if (nearest_) {
+      found.nearest(run, values);
       for (int k = 0; k < length; ++k) {
-        Pixel& pixel = picture[run.first + k];
-        pixel = covered[run.first + k] != 0 ? std::max(pixel, nearest[k]) : nearest[k];
+        const auto pixel = static_cast<Pixel>(values[k]);
+        picture[k] = covered[k] != 0 ? std::max(picture[k], pixel) : pixel;
       }
     } else {
-      if (mode_ == ResliceMode::kNearest) {
-        nearest_run(functions, run, a, b, nearest);
-        for (int k = 0; k < length; ++k) values[k] = nearest[k] * (1 << kMeanBits);
-      } else {
-        linear_run<kMeanBits>(functions, run, a, b, values);
-      }
+      found.template linear<kMeanBits>(run, stride, values);
       Sum* const sums = sums_.data() + static_cast<std::ptrdiff_t>(v) * out_.picture.cols + run.first;
       for (int k = 0; k < length; ++k) {
         sums[k].total += values[k];
         ++sums[k].count;
       }
     }
-    std::fill_n(covered + run.first, length, std::uint8_t{255});
+    std::fill_n(covered, length, std::uint8_t{255});
   }
 
   const ResliceFrames& frames_;
   const NearFrames& near_;
-  const ResliceMode mode_;
+  const bool nearest_;
   const bool slab_;
   Resliced& out_;
   std::vector<Sum> sums_;

@@ -17,8 +17,8 @@ namespace fathom {
 
 /// What a pixel of a picture shows.
 enum class ResliceMode {
-  kNearest,  ///< the pixel of the nearer of the two frames around it
-  kLinear,   ///< bilinear in both frames, weighted by the distances from them; across a slab the mean
+  kNearest,  ///< the pixel of the nearer of the two frames around it; across a slab as kMean
+  kLinear,   ///< bilinear in both frames, weighted by the distances from them; across a slab as kMean
   kMean,     ///< the mean of the linear values across a slab
   kMax,      ///< the largest of the nearest pixels across a slab
 };

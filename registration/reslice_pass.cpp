@@ -59,13 +59,21 @@ std::span<const ResliceRun> ReslicePass::runs(int row, int layer, int batch) con
 }
 
 void ReslicePass::divide_into_batches(const std::vector<ResliceRun>& found, RowPlan& plan) const {
-  plan.first.assign(static_cast<std::size_t>(batches_) + 1, 0);
-  for (const ResliceRun& run : found) ++plan.first[static_cast<std::size_t>(run.frame / batch_frames_) + 1];
-  for (std::size_t b = 1; b < plan.first.size(); ++b) plan.first[b] += plan.first[b - 1];
-  std::vector<int> next = plan.first;
-  plan.runs.resize(found.size());
-  for (const ResliceRun& run : found) {
-    plan.runs[static_cast<std::size_t>(next[static_cast<std::size_t>(run.frame / batch_frames_)]++)] = run;
+  plan.first.assign(static_cast<std::size_t>(batches_) + 1, static_cast<int>(found.size()));
+  plan.first[0] = 0;
+  if (batches_ < 2) {
+    plan.runs = found;
+    return;
+  }
+  plan.runs.reserve(found.size());
+  // Rows mostly meet frames in their order or against it, so few batches are looked through for each run.
+  for (int batch = 0; batch < batches_; ++batch) {
+    plan.first[static_cast<std::size_t>(batch)] = static_cast<int>(plan.runs.size());
+    const int first = batch * batch_frames_;
+    const int end = first + batch_frames_;
+    for (const ResliceRun& run : found) {
+      if (run.frame >= first && run.frame < end) plan.runs.push_back(run);
+    }
   }
 }
 

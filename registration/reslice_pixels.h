@@ -1,8 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -21,28 +25,6 @@ constexpr int kLinearBits = kBilinearBits + kDistanceBits;  // 16 bits of a pixe
 constexpr std::int64_t kPixel = std::int64_t{1} << kPixelBits;
 constexpr std::int64_t kShareOne = std::int64_t{1} << kShareBits;
 constexpr std::int64_t kDistanceOne = std::int64_t{1} << kDistanceBits;
-
-/// The used part of a frame's image.
-template <typename Pixel>
-struct FramePixels {
-  const Pixel* first = nullptr;
-  std::ptrdiff_t stride = 0;  ///< pixels from row to row
-  int width = 0;
-  int height = 0;
-  const cv::Mat* mask = nullptr;  ///< empty where all pixels are used
-
-  FramePixels(const cv::Mat& image, const ResliceFrames& frames)
-      : first(image.ptr<Pixel>(frames.used.y) + frames.used.x),
-        stride(static_cast<std::ptrdiff_t>(image.step / sizeof(Pixel))),
-        width(frames.used.width),
-        height(frames.used.height),
-        mask(&frames.mask) {}
-
-  Pixel at(std::int64_t x, std::int64_t y) const { return first[y * stride + x]; }
-  bool used(std::int64_t x, std::int64_t y) const {
-    return mask->at<std::uint8_t>(static_cast<int>(y), static_cast<int>(x)) != 0;
-  }
-};
 
 /// A place in an image that is stepped along a row of the picture.
 struct ImageWalk {
@@ -70,85 +52,167 @@ struct ImageWalk {
   }
 };
 
-/// The pixel that holds a place; the nearest one for places that rounding put just outside of the image.
+/// The used part of a frame's image.
 template <typename Pixel>
-Pixel nearest_pixel(const FramePixels<Pixel>& image, const ImageWalk& at) {
-  const std::int64_t x = std::clamp<std::int64_t>(at.x >> kPixelBits, 0, image.width - 1);
-  const std::int64_t y = std::clamp<std::int64_t>(at.y >> kPixelBits, 0, image.height - 1);
-  return image.at(x, y);
-}
+struct FramePixels {
+  const Pixel* first = nullptr;
+  std::ptrdiff_t stride = 0;  ///< pixels from row to row
+  int width = 0;
+  int height = 0;
+  const cv::Mat* mask = nullptr;  ///< empty where all pixels are used
 
-/// Weighted by the distances from the four pixels around, in 2^-kBilinearBits; the outermost pixels go on for the half
-/// pixel to the image's edge. Pixels that are not used have no weight.
-template <typename Pixel>
-std::int64_t bilinear_pixel(const FramePixels<Pixel>& image, const ImageWalk& at) {
-  const std::int64_t share_x = (at.x >> (kPixelBits - kShareBits)) & (kShareOne - 1);
-  const std::int64_t share_y = (at.y >> (kPixelBits - kShareBits)) & (kShareOne - 1);
-  const std::int64_t x = at.x >> kPixelBits;
-  const std::int64_t y = at.y >> kPixelBits;
-  if (x >= 0 && y >= 0 && x + 1 < image.width && y + 1 < image.height && image.mask->empty()) {
-    const Pixel* const pixel = image.first + y * image.stride + x;
-    const Pixel* const below = pixel + image.stride;
-    const std::int64_t upper = pixel[0] * (kShareOne - share_x) + pixel[1] * share_x;
-    const std::int64_t lower = below[0] * (kShareOne - share_x) + below[1] * share_x;
-    return upper * (kShareOne - share_y) + lower * share_y;
-  }
-  std::int64_t sum = 0;
-  std::int64_t weights = 0;
-  for (int corner = 0; corner < 4; ++corner) {
-    const std::int64_t px = std::clamp<std::int64_t>(x + (corner & 1), 0, image.width - 1);
-    const std::int64_t py = std::clamp<std::int64_t>(y + (corner >> 1), 0, image.height - 1);
-    if (!image.mask->empty() && !image.used(px, py)) continue;
-    const std::int64_t weight =
-        ((corner & 1) != 0 ? share_x : kShareOne - share_x) * ((corner >> 1) != 0 ? share_y : kShareOne - share_y);
-    weights += weight;
-    sum += weight * image.at(px, py);
-  }
-  constexpr std::int64_t kAll = kShareOne * kShareOne;
-  if (weights == kAll) return sum;
-  return weights == 0 ? 0 : static_cast<std::int64_t>(static_cast<double>(sum) / static_cast<double>(weights) * kAll);
-}
+  FramePixels(const cv::Mat& image, const ResliceFrames& frames)
+      : first(image.ptr<Pixel>(frames.used.y) + frames.used.x),
+        stride(static_cast<std::ptrdiff_t>(image.step / sizeof(Pixel))),
+        width(frames.used.width),
+        height(frames.used.height),
+        mask(frames.mask.empty() ? nullptr : &frames.mask) {}
 
-/// Nearest pixels of a run's columns: of `a`, or of `b`, the next frame, where that is nearer.
-template <typename Pixel>
-void nearest_run(const RowFunctions& functions, const ResliceRun& run, const FramePixels<Pixel>& a,
-                 const FramePixels<Pixel>* b, Pixel* out) {
-  constexpr std::int64_t kHalf = kPixel / 2;
-  ImageWalk in_a(functions, run.frame, run.first, kHalf);
-  if (b == nullptr) {
-    for (int u = run.first; u < run.end; ++u, in_a.next()) *out++ = nearest_pixel(a, in_a);
-    return;
+  /// The pixel that holds a place; the nearest one for places that rounding put just outside of the image.
+  const Pixel* nearest(const ImageWalk& at) const {
+    const std::int64_t x = std::clamp<std::int64_t>(at.x >> kPixelBits, 0, width - 1);
+    const std::int64_t y = std::clamp<std::int64_t>(at.y >> kPixelBits, 0, height - 1);
+    return first + y * stride + x;
   }
-  ImageWalk in_b(functions, run.frame + 1, run.first, kHalf);
-  for (int u = run.first; u < run.end; ++u, in_a.next(), in_b.next()) {
-    const bool first = std::abs(functions.distance(run.frame, u)) <= std::abs(functions.distance(run.frame + 1, u));
-    *out++ = first ? nearest_pixel(a, in_a) : nearest_pixel(*b, in_b);
-  }
-}
 
-/// Interpolated values of a run's columns, in 2^-kFraction grey levels.
-template <int kFraction, typename Pixel, typename Value>
-void linear_run(const RowFunctions& functions, const ResliceRun& run, const FramePixels<Pixel>& a,
-                const FramePixels<Pixel>* b, Value* out) {
-  constexpr std::int64_t kHalfShare = kPixel >> (kShareBits + 1);  // so that shares are rounded, not cut
-  constexpr int kDrop = kLinearBits - kFraction;
-  constexpr std::int64_t kHalf = std::int64_t{1} << (kDrop - 1);
-  ImageWalk in_a(functions, run.frame, run.first, kHalfShare);
-  if (b == nullptr) {
-    for (int u = run.first; u < run.end; ++u, in_a.next()) {
-      *out++ = static_cast<Value>((bilinear_pixel(a, in_a) * kDistanceOne + kHalf) >> kDrop);
+  /// Four pixels with their weights, or what they give together.
+  struct Bilinear {
+    const Pixel* pixel = nullptr;      ///< the upper left one; none where the value is known already
+    std::int64_t shares_or_value = 0;  ///< of the right ones, and << 32 of the lower ones; or the value
+
+    /// In 2^-kBilinearBits.
+    std::int64_t value(std::ptrdiff_t stride) const {
+      if (pixel == nullptr) return shares_or_value;
+      const std::int64_t right = shares_or_value & 0xffffffff;
+      const std::int64_t lower = shares_or_value >> 32;
+      const Pixel* const below = pixel + stride;
+      const std::int64_t up = (std::int64_t{pixel[0]} << kShareBits) + (pixel[1] - pixel[0]) * right;
+      const std::int64_t down = (std::int64_t{below[0]} << kShareBits) + (below[1] - below[0]) * right;
+      return (up << kShareBits) + (down - up) * lower;
     }
-    return;
+  };
+
+  /// The pixels around a place. The outermost pixels go on for the half pixel to the image's edge; pixels that are not
+  /// used have no weight.
+  Bilinear bilinear(const ImageWalk& at) const {
+    const std::int64_t right = (at.x >> (kPixelBits - kShareBits)) & (kShareOne - 1);
+    const std::int64_t lower = (at.y >> (kPixelBits - kShareBits)) & (kShareOne - 1);
+    const std::int64_t x = at.x >> kPixelBits;
+    const std::int64_t y = at.y >> kPixelBits;
+    if (x >= 0 && y >= 0 && x + 1 < width && y + 1 < height && mask == nullptr) {
+      return {first + y * stride + x, right | lower << 32};
+    }
+    return {nullptr, at_edge(x, y, right, lower)};
   }
-  ImageWalk in_b(functions, run.frame + 1, run.first, kHalfShare);
-  for (int u = run.first; u < run.end; ++u, in_a.next(), in_b.next()) {
-    const double from_a = functions.distance(run.frame, u);
-    const double gap = from_a - functions.distance(run.frame + 1, u);
-    const double share = gap != 0.0 ? std::clamp(from_a / gap, 0.0, 1.0) : 0.0;
-    const auto of_b = static_cast<std::int64_t>(share * static_cast<double>(kDistanceOne) + 0.5);
-    const std::int64_t value = bilinear_pixel(a, in_a) * (kDistanceOne - of_b) + bilinear_pixel(*b, in_b) * of_b;
-    *out++ = static_cast<Value>((value + kHalf) >> kDrop);
+
+ private:
+  std::int64_t at_edge(std::int64_t x, std::int64_t y, std::int64_t right, std::int64_t lower) const {
+    std::int64_t sum = 0;
+    std::int64_t weights = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+      const std::int64_t px = std::clamp<std::int64_t>(x + (corner & 1), 0, width - 1);
+      const std::int64_t py = std::clamp<std::int64_t>(y + (corner >> 1), 0, height - 1);
+      if (mask != nullptr && mask->at<std::uint8_t>(static_cast<int>(py), static_cast<int>(px)) == 0) continue;
+      const std::int64_t weight =
+          ((corner & 1) != 0 ? right : kShareOne - right) * ((corner >> 1) != 0 ? lower : kShareOne - lower);
+      weights += weight;
+      sum += weight * first[py * stride + px];
+    }
+    constexpr std::int64_t kAll = kShareOne * kShareOne;
+    if (weights == kAll || weights == 0) return sum;
+    return static_cast<std::int64_t>(static_cast<double>(sum) / static_cast<double>(weights) * kAll);
   }
-}
+};
+
+/// What a row of the picture shows, column by column, in two steps: first where its pixels are, then their values. The
+/// processor so waits for many far pixels at a time instead of for one after another.
+template <typename Pixel>
+class RowPixels {
+ public:
+  using Images = std::vector<std::optional<FramePixels<Pixel>>>;  ///< of the frames that are held, as in NearFrames
+
+  explicit RowPixels(int columns)
+      : nearest_(static_cast<std::size_t>(columns)),
+        linear_(static_cast<std::size_t>(columns)),
+        of_next_(static_cast<std::size_t>(columns)) {}
+
+  /// Looks up the nearest pixels of a run: of its frame, or of the next one where that is nearer.
+  void find_nearest(const RowFunctions& functions, const ResliceRun& run, const Images& images) {
+    const auto frame = static_cast<std::size_t>(run.frame);
+    int from_next = run.end;  // columns nearer to the next frame: those from here on, or those before
+    bool next_first = false;
+    if (run.pair) {
+      const auto nearer = [&](int u) {
+        return std::abs(functions.distance(run.frame, u)) > std::abs(functions.distance(run.frame + 1, u));
+      };
+      next_first = nearer(run.first);
+      from_next = run.first;
+      while (from_next < run.end && nearer(from_next) == next_first) ++from_next;
+    }
+    const auto look_up = [&](std::size_t k, int first, int end) {
+      if (first >= end) return;
+      const FramePixels<Pixel>& image = *images[k];
+      ImageWalk at(functions, static_cast<int>(k), first, kPixel / 2);
+      for (int u = first; u < end; ++u, at.next()) {
+        const Pixel* const found = image.nearest(at);
+        __builtin_prefetch(found);
+        nearest_[static_cast<std::size_t>(u)] = found;
+      }
+    };
+    look_up(next_first ? frame + 1 : frame, run.first, from_next);
+    look_up(next_first ? frame : frame + 1, from_next, run.end);
+  }
+
+  template <typename Value>
+  void nearest(const ResliceRun& run, Value* out) const {
+    for (int u = run.first; u < run.end; ++u) *out++ = *nearest_[static_cast<std::size_t>(u)];
+  }
+
+  /// Looks up the pixels around a run in its frame and, for a pair, in the next.
+  void find_linear(const RowFunctions& functions, const ResliceRun& run, const Images& images) {
+    constexpr std::int64_t kHalfShare = kPixel >> (kShareBits + 1);  // so that shares are rounded, not cut
+    for (int k = 0; k < (run.pair ? 2 : 1); ++k) {
+      const FramePixels<Pixel>& image = *images[static_cast<std::size_t>(run.frame + k)];
+      ImageWalk at(functions, run.frame + k, run.first, kHalfShare);
+      for (int u = run.first; u < run.end; ++u, at.next()) {
+        const Bilinear found = image.bilinear(at);
+        if (found.pixel != nullptr) {
+          __builtin_prefetch(found.pixel);
+          __builtin_prefetch(found.pixel + image.stride);
+        }
+        linear_[static_cast<std::size_t>(u)][static_cast<std::size_t>(k)] = found;
+      }
+    }
+    for (int u = run.first; u < run.end; ++u) {
+      std::int64_t& of_next = of_next_[static_cast<std::size_t>(u)];
+      of_next = 0;
+      if (!run.pair) continue;
+      const double from_first = functions.distance(run.frame, u);
+      const double gap = from_first - functions.distance(run.frame + 1, u);
+      const double share = gap != 0.0 ? std::clamp(from_first / gap, 0.0, 1.0) : 0.0;
+      of_next = static_cast<std::int64_t>(share * static_cast<double>(kDistanceOne) + 0.5);
+    }
+  }
+
+  /// Interpolated values, in 2^-kFraction grey levels; `stride` is that of the images.
+  template <int kFraction, typename Value>
+  void linear(const ResliceRun& run, std::ptrdiff_t stride, Value* out) const {
+    constexpr int kDrop = kLinearBits - kFraction;
+    constexpr std::int64_t kHalf = std::int64_t{1} << (kDrop - 1);
+    for (int u = run.first; u < run.end; ++u) {
+      const auto i = static_cast<std::size_t>(u);
+      std::int64_t value = linear_[i][0].value(stride) * (kDistanceOne - of_next_[i]);
+      if (run.pair) value += linear_[i][1].value(stride) * of_next_[i];
+      *out++ = static_cast<Value>((value + kHalf) >> kDrop);
+    }
+  }
+
+ private:
+  using Bilinear = typename FramePixels<Pixel>::Bilinear;
+
+  std::vector<const Pixel*> nearest_;
+  std::vector<std::array<Bilinear, 2>> linear_;
+  std::vector<std::int64_t> of_next_;
+};
 
 }  // namespace fathom
