@@ -66,7 +66,7 @@ void ReslicePass::divide_into_batches(const std::vector<ResliceRun>& found, RowP
     return;
   }
   plan.runs.reserve(found.size());
-  // Rows mostly meet frames in their order or against it, so few batches are looked through for each run.
+  // Once over the runs for each batch: there are few, and the runs of each stay in the order of their columns.
   for (int batch = 0; batch < batches_; ++batch) {
     plan.first[static_cast<std::size_t>(batch)] = static_cast<int>(plan.runs.size());
     const int first = batch * batch_frames_;
