@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -23,6 +24,8 @@ namespace fathom {
 
 namespace {
 
+constexpr int kMost = std::numeric_limits<int>::max();
+
 struct ResliceCommand {
   std::string recording;
   std::string calibration;
@@ -34,7 +37,7 @@ struct ResliceCommand {
   std::optional<double> spacing_mm;
   std::optional<int> through_frame;
   double rotate_deg = 0.0;
-  std::vector<double> curve;  // x, y, z of every point
+  std::vector<std::vector<double>> curve;  // x, y, z of every point
   std::optional<double> height_mm;
   bool panorama = false;
   std::optional<int> sweep;  // from 1
@@ -61,7 +64,7 @@ void require_one_surface(const ResliceCommand& command) {
     needs(!command.size_mm.empty(), "--size-mm", "--origin");
   }
   if (!command.curve.empty()) {
-    needs(command.curve.size() > 3, "a second point", "--curve");
+    needs(command.curve.size() > 1, "a second point", "--curve");
     needs(!command.y_axis.empty(), "--y-axis, the direction in which it is swept,", "--curve");
     needs(command.height_mm.has_value(), "--height-mm", "--curve");
   }
@@ -98,9 +101,7 @@ UsedSweeps used_sweeps(const ResliceCommand& command, const Recording& recording
   return used;
 }
 
-Eigen::Vector3d vector_of(const std::vector<double>& numbers, std::size_t first = 0) {
-  return {numbers[first], numbers[first + 1], numbers[first + 2]};
-}
+Eigen::Vector3d vector_of(const std::vector<double>& numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
 // The plane that is asked for, if it is one.
 std::optional<ReslicePlane> asked_plane(const ResliceCommand& command, const Recording& recording,
@@ -136,7 +137,7 @@ ResliceSurface asked_surface(const ResliceCommand& command, const Recording& rec
     return panorama_surface(frames, size, 0.5 * (size.width - 1), spacing_mm);
   }
   std::vector<Eigen::Vector3d> points_mm;
-  for (std::size_t i = 0; i + 2 < command.curve.size(); i += 3) points_mm.push_back(vector_of(command.curve, i));
+  for (const std::vector<double>& point : command.curve) points_mm.push_back(vector_of(point));
   return curved_surface(points_mm, vector_of(command.y_axis), *command.height_mm, spacing_mm);
 }
 
@@ -225,13 +226,12 @@ void add_surface_options(CLI::App& command, ResliceCommand& options) {
   add_numbers(command, "--size-mm", options.size_mm, 2, "Width and height of the picture of a plane")
       ->check(above(0.0));
   command.add_option("--through-frame", options.through_frame, "A plane through the middle of this frame instead")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, kMost));
   command.add_option("--rotate-deg", options.rotate_deg, "Turns it about the image's vertical axis; 90 is across")
       ->check(between(-360.0, 360.0))
       ->capture_default_str();
-  add_numbers(command, "--curve", options.curve, 3,
-              "A curved picture instead: a point x,y,z of a line that is swept along --y-axis; two or more times")
-      ->take_all();
+  add_number_lists(command, "--curve", options.curve, 3, "x,y,z",
+                   "A curved picture instead: a point x,y,z of a line that is swept along --y-axis; two or more times");
   command.add_option("--height-mm", options.height_mm, "Height of a curved picture")->check(above(0.0));
   command.add_flag("--panorama", options.panorama, "A picture along the way of the images' middle columns instead");
   command.add_option("--spacing-mm", options.spacing_mm, "Side of a pixel (default: that of the B-scans)")
@@ -267,7 +267,7 @@ void add_reslice(CLI::App& app) {
       ->check(above(0.0));
   CLI::Option* const sweep =
       command->add_option("--sweep", options->sweep, "Only this sweep, as fathom sweeps numbers them")
-          ->check(CLI::PositiveNumber);
+          ->check(CLI::Range(1, kMost));
   command->add_option("--planes", options->planes, "Dividing planes (fathom planes): each part shows its sweep")
       ->excludes(sweep);
   command->add_option("--clip", options->clip, "The part of the images to use: x,y,width,height in pixels")
