@@ -14,6 +14,7 @@ void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_planes(CLI::App& app);
 void add_reconstruct(CLI::App& app);
+void add_reslice(CLI::App& app);
 void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_surface(CLI::App& app);

@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   fathom::add_planes(app);
   fathom::add_measure(app);
   fathom::add_surface(app);
+  fathom::add_reslice(app);
   fathom::add_reconstruct(app);
   fathom::add_isosurface(app);
   fathom::add_eqnsurf(app);

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <utility>
 
 #include "core/numbers.h"
 #include "segmentation/contours.h"
@@ -19,6 +20,22 @@ void add_frame_names(CLI::App& command, FrameNames& names) {
   command.add_option("--probe-frame", names.probe, "Name of the probe's coordinates in the recording (default: Probe)");
   command.add_option("--reference-frame", names.reference,
                      "Name of the coordinates to work in (default: Reference, else Tracker)");
+}
+
+CLI::Option* add_number_lists(CLI::App& command, const std::string& name, std::vector<std::vector<double>>& lists,
+                              std::size_t count, const std::string& form, const std::string& help) {
+  const auto read = [&lists, name, count, form](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      std::string spaced = text;
+      for (char& c : spaced) c = c == ',' ? ' ' : c;
+      auto numbers = parse_reals(spaced);
+      if (!numbers || numbers->size() != count) {
+        throw CLI::ValidationError(name, text + " is not " + std::to_string(count) + " numbers: " + form);
+      }
+      lists.push_back(std::move(*numbers));
+    }
+  };
+  return command.add_option_function<std::vector<std::string>>(name, read, help)->expected(1)->take_all();
 }
 
 CLI::Validator finite() {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -10,6 +12,10 @@ namespace fathom {
 
 /// Adds `--probe-frame` and `--reference-frame`.
 void add_frame_names(CLI::App& command, FrameNames& names);
+
+/// An option that may be repeated, each time with `count` finite numbers between commas: `form`, as in messages.
+CLI::Option* add_number_lists(CLI::App& command, const std::string& name, std::vector<std::vector<double>>& lists,
+                              std::size_t count, const std::string& form, const std::string& help);
 
 /// Accepts finite numbers: all, those from `low` on, those above `low`, or those from `low` to `high`.
 CLI::Validator finite();

@@ -6,7 +6,6 @@
 #include "cli/options.h"
 #include "cli/output.h"
 #include "core/error.h"
-#include "core/numbers.h"
 #include "core/text_file.h"
 #include "registration/dividing_planes.h"
 #include "registration/find_sweeps.h"
@@ -85,23 +84,8 @@ void add_planes(CLI::App& app) {
   CLI::App* command = app.add_subcommand("planes", "Place the planes that divide space between sweeps");
   command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
   command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--add",
-          [options](const std::vector<std::string>& planes) {
-            for (const std::string& text : planes) {
-              std::string spaced = text;
-              for (char& c : spaced) c = c == ',' ? ' ' : c;
-              const auto numbers = parse_reals(spaced);
-              if (!numbers || numbers->size() != 4) {
-                throw CLI::ValidationError("--add", text + " is not four numbers: nx,ny,nz,offset");
-              }
-              options->add.push_back(*numbers);
-            }
-          },
-          "One more plane: nx,ny,nz,offset (normal . x = offset, mm); may be repeated")
-      ->expected(1)
-      ->take_all();
+  add_number_lists(*command, "--add", options->add, 4, "nx,ny,nz,offset",
+                   "One more plane: nx,ny,nz,offset (normal . x = offset, mm); may be repeated");
   command->add_option("--out", options->out, "Where to write the planes (JSON)");
   add_frame_names(*command, options->names);
   command->add_flag("--json", options->json, "Print one JSON object");
