@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/numbers.h"
+#include "core/statistics.h"
 #include "registration/spatial_calibration_motion.h"
 #include "registration/spatial_calibration_solve.h"
 
@@ -27,13 +28,6 @@ constexpr int kRounds = 8;
 constexpr int kBlocks = 10;                  // of frames that follow each other, left out in turn
 constexpr double kBetterBeyondChance = 2.0;  // standard errors of the paired difference
 constexpr double kBetterAtAll = 0.01;        // of the mean squared distance: less is not worth a parameter
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Errors {
   std::vector<Eigen::Vector3d> error_mm;
