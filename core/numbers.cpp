@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
 namespace fathom {
@@ -49,8 +48,8 @@ std::string format_real(double value) {
 
 std::string format_rounded(double value, int decimals) {
   std::array<char, 400> text{};  // 1.8e308 has 309 digits
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  const std::string_view digits(text.data());
+  const auto [end, code] = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, decimals);
+  const std::string_view digits(text.data(), static_cast<std::size_t>(end - text.begin()));
   const bool nothing = digits.find_first_not_of("-0.") == std::string_view::npos;
   return std::string(nothing && digits.starts_with('-') ? digits.substr(1) : digits);
 }

@@ -1,0 +1,319 @@
+#include "registration/temporal_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "core/error.h"
+#include "core/numbers.h"
+#include "core/statistics.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kSearchStep_s = 0.005;  // the correlation of a hand's motion is round over ten times that
+constexpr double kValley = 0.5;          // of the best squared correlation: between two peaks it falls lower
+constexpr double kRival = 4.0;           // unexplained share of another peak over that of the best
+constexpr double kRivalLeast = 0.03;     // and at most this, whatever the noise
+constexpr double kOutlying = 6.0;        // of the median distance, 4 standard deviations
+constexpr double kLeastPx = 1e-6;        // perfect data must not divide by nothing
+constexpr int kRounds = 30;
+constexpr double kSettled_s = 1e-7;
+constexpr std::size_t kMedianFrames = 5;
+
+std::string milliseconds(double seconds) { return format_rounded(1e3 * seconds, 0) + " ms"; }
+
+/// The middle of five frames each: a floor mistaken in single frames does not disturb the search.
+Signal without_spikes(const Signal& signal) {
+  Signal result = signal;
+  const std::size_t count = signal.values.size();
+  constexpr std::size_t kHalf = kMedianFrames / 2;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<double> near;
+    const std::size_t first = i < kHalf ? 0 : i - kHalf;
+    for (std::size_t k = first; k < std::min(count, first + kMedianFrames); ++k) near.push_back(signal.values[k].value);
+    result.values[i].value = median(std::move(near));
+  }
+  return result;
+}
+
+struct Correlated {
+  double latency_s = 0.0;
+  double squared = 0.0;  ///< correlation
+  int frames = 0;
+};
+
+Correlated correlate(const Signal& image, const SmoothSignal& tracker, double latency_s) {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  const double image_shift = image.values.front().value;  // keeps the sums small
+  for (const TimedValue& value : image.values) {
+    const auto place = tracker.roughly_at(value.time_s + latency_s);
+    if (!place) continue;
+    const double depth = value.value - image_shift;
+    n += 1.0;
+    x += *place;
+    y += depth;
+    xx += *place * *place;
+    xy += *place * depth;
+    yy += depth * depth;
+  }
+  const double both = n * xy - x * y;
+  const double product = (n * xx - x * x) * (n * yy - y * y);
+  return {latency_s, product > 0.0 ? both * both / product : 0.0, static_cast<int>(n)};
+}
+
+/// The correlations over the range, those with enough frames.
+std::vector<Correlated> correlations(const Signal& image, const SmoothSignal& tracker, const TemporalOptions& options) {
+  std::vector<Correlated> all;
+  const int steps = static_cast<int>(std::ceil(options.max_latency_s / kSearchStep_s));
+  int most = 0;
+  for (int i = -steps; i <= steps; ++i) {
+    all.push_back(correlate(image, tracker, options.max_latency_s * i / steps));
+    most = std::max(most, all.back().frames);
+  }
+  // Few frames resemble anything.
+  const int enough = std::max(options.min_frames, most / 2);
+  std::erase_if(all, [&](const Correlated& c) { return c.frames < enough; });
+  return all;
+}
+
+bool is_peak(const std::vector<Correlated>& all, std::size_t i) {
+  return i > 0 && i + 1 < all.size() && all[i].squared >= all[i - 1].squared && all[i].squared > all[i + 1].squared;
+}
+
+/// The highest peak beyond a valley on either side of the best one.
+std::optional<Correlated> rival_of(const std::vector<Correlated>& all, std::size_t best) {
+  std::optional<Correlated> rival;
+  for (const int direction : {-1, 1}) {
+    bool beyond = false;
+    for (auto i = static_cast<std::ptrdiff_t>(best); i >= 0 && i < static_cast<std::ptrdiff_t>(all.size());
+         i += direction) {
+      const auto at = static_cast<std::size_t>(i);
+      beyond = beyond || all[at].squared < kValley * all[best].squared;
+      if (beyond && (is_peak(all, at) || at == 0 || at + 1 == all.size()) &&
+          (!rival || all[at].squared > rival->squared)) {
+        rival = all[at];
+      }
+    }
+  }
+  return rival;
+}
+
+double start_of(const Signal& image, const SmoothSignal& tracker, const TemporalOptions& options,
+                const std::string& both) {
+  const std::vector<Correlated> all = correlations(image, tracker, options);
+  if (all.empty()) {
+    throw Error(both + ": share too little time (fewer than " + std::to_string(options.min_frames) +
+                " frames with poses); check that both were recorded at the same time, with one clock");
+  }
+  const auto best = static_cast<std::size_t>(
+      std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.squared < b.squared; }) -
+      all.begin());
+  const double correlation = std::sqrt(all[best].squared);
+  if (correlation < options.min_correlation) {
+    throw Error(both + ": the floor's depth does not follow the probe (correlation " + format_rounded(correlation, 2) +
+                "); check that both were recorded together, and move the probe straight up and down over a flat floor");
+  }
+  if (!is_peak(all, best)) {
+    throw Error(both + ": no latency within " + milliseconds(options.max_latency_s) +
+                " stands out; move the probe up and down several times, or allow more by --max-latency-s");
+  }
+  const auto rival = rival_of(all, best);
+  if (rival && 1.0 - rival->squared < std::max(kRival * (1.0 - all[best].squared), kRivalLeast)) {
+    throw Error(both + ": the motion repeats itself, so that latencies of about " + milliseconds(all[best].latency_s) +
+                " and " + milliseconds(rival->latency_s) +
+                " fit alike; move the probe irregularly, or limit the latency by --max-latency-s");
+  }
+  return all[best].latency_s;
+}
+
+/// Least squares of depth(t) = scale place(t + latency) + offset over the frames that are `used`.
+struct Fit {
+  Eigen::Vector3d scale_offset_latency = Eigen::Vector3d::Zero();
+  std::vector<TimedValue> errors;  ///< px, one for each frame; not finite where the tracker does not tell
+  std::vector<Eigen::Vector3d> gradients;
+};
+
+void evaluate(const Signal& image, const SmoothSignal& tracker, Fit& fit) {
+  fit.errors.clear();
+  fit.gradients.clear();
+  const Eigen::Vector3d& p = fit.scale_offset_latency;
+  for (const TimedValue& value : image.values) {
+    const auto place = tracker.at(value.time_s + p[2]);
+    const double expected = place ? p[0] * place->value + p[1] : std::nan("");
+    fit.errors.push_back({value.time_s, value.value - expected});
+    fit.gradients.emplace_back(place ? Eigen::Vector3d(place->value, 1.0, p[0] * place->slope)
+                                     : Eigen::Vector3d::Zero());
+  }
+}
+
+std::vector<bool> without_outliers(const Fit& fit) {
+  std::vector<double> sizes;
+  for (const TimedValue& error : fit.errors) {
+    if (std::isfinite(error.value)) sizes.push_back(std::abs(error.value));
+  }
+  const double farthest = std::max(kLeastPx, kOutlying * median(std::move(sizes)));
+  std::vector<bool> used;
+  for (const TimedValue& error : fit.errors) used.push_back(std::abs(error.value) <= farthest);
+  return used;
+}
+
+Eigen::Matrix3d normal_matrix(const Fit& fit, const std::vector<bool>& used) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) normal += fit.gradients[i] * fit.gradients[i].transpose();
+  }
+  return normal;
+}
+
+/// A step of Gauss and Newton, the latency by no more than a step of the search. Returns how far the latency moved.
+double improve(Fit& fit, const std::vector<bool>& used, bool latency) {
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) right += fit.gradients[i] * fit.errors[i].value;
+  }
+  Eigen::Matrix3d normal = normal_matrix(fit, used);
+  if (!latency) {
+    normal.row(2).setZero();
+    normal.col(2).setZero();
+    normal(2, 2) = 1.0;
+    right[2] = 0.0;
+  }
+  Eigen::Vector3d step = normal.ldlt().solve(right);
+  step[2] = std::clamp(step[2], -2.0 * kSearchStep_s, 2.0 * kSearchStep_s);
+  fit.scale_offset_latency += step;
+  return std::abs(step[2]);
+}
+
+/// Variance of the latency, whose error is the sum of `shares`, one of each frame, where errors that are less than
+/// `width_s` apart may hang together, whatever the reason (weights fall off linearly).
+double variance_together(const std::vector<TimedValue>& shares, double width_s) {
+  double variance = 0.0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    variance += shares[i].value * shares[i].value;
+    for (std::size_t k = i + 1; k < shares.size() && shares[k].time_s - shares[i].time_s < width_s; ++k) {
+      const double weight = 1.0 - (shares[k].time_s - shares[i].time_s) / width_s;
+      variance += 2.0 * weight * shares[i].value * shares[k].value;
+    }
+  }
+  return variance;
+}
+
+/// The same from independent noise of the tracker's samples, which the smoothing spreads over neighbouring frames, and
+/// of the image's frames: what is left of the errors. `pulls` is by how much the latency follows an error of each
+/// frame.
+double variance_independent(const SmoothSignal& tracker, const Fit& fit, const std::vector<TimedValue>& pulls,
+                            double error_variance) {
+  const double scale = fit.scale_offset_latency[0];
+  const double tracker_variance = scale * scale * tracker.noise() * tracker.noise();
+  std::vector<double> pull_of_sample(tracker.sample_count(), 0.0);
+  double pulls_squared = 0.0;
+  double smoothed = 0.0;  // what of a sample's variance is left in the curve, on average
+  for (const TimedValue& pull : pulls) {
+    pulls_squared += pull.value * pull.value;
+    for (const auto& [index, weight] : tracker.weights_at(pull.time_s + fit.scale_offset_latency[2])) {
+      pull_of_sample[index] += pull.value * weight;
+      smoothed += weight * weight / static_cast<double>(pulls.size());
+    }
+  }
+  double samples_squared = 0.0;
+  for (const double pull : pull_of_sample) samples_squared += pull * pull;
+  const double image_variance = std::max(0.0, error_variance - smoothed * tracker_variance);
+  return image_variance * pulls_squared + tracker_variance * samples_squared;
+}
+
+void set_quality(const Signal& image, const SmoothSignal& tracker, const Fit& fit, const std::vector<bool>& used,
+                 TemporalCalibration& result) {
+  const Eigen::Matrix3d inverse = normal_matrix(fit, used).inverse();
+  std::vector<TimedValue> pulls;
+  std::vector<TimedValue> shares;
+  double squares = 0.0;
+  Signal kept;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    const double error = fit.errors[i].value;
+    squares += error * error;
+    pulls.push_back({fit.errors[i].time_s, inverse.row(2).dot(fit.gradients[i])});
+    shares.push_back({fit.errors[i].time_s, pulls.back().value * error});
+    kept.values.push_back(image.values[i]);
+  }
+  const auto n = static_cast<double>(shares.size());
+  constexpr double kParameters = 3.0;
+  constexpr double kWidths = 2.0;        // weights that fall off over one would lose half of what hangs together
+  constexpr double kBeyondChance = 1.6;  // estimates of variances that allow for everything are uncertain themselves
+  result.rms_px = std::sqrt(squares / n);
+  const double independent = variance_independent(tracker, fit, pulls, squares / (n - kParameters));
+  const double together = variance_together(shares, kWidths * tracker.width_s()) * n / (n - kParameters);
+  result.stddev_s = std::sqrt(together > kBeyondChance * independent ? together : independent);
+  result.correlation = std::sqrt(std::max(0.0, 1.0 - squares / (n * spread(kept) * spread(kept))));
+  result.frames_used = static_cast<int>(shares.size());
+}
+
+void require_motion(const Signal& image, const Signal& tracker, const TemporalOptions& options) {
+  if (spread(tracker) < options.min_motion_mm) {
+    throw Error(tracker.source + ": the probe did not move (standard deviation " + format_rounded(spread(tracker), 1) +
+                " mm); move it up and down while recording");
+  }
+  if (spread(image) < options.min_motion_px) {
+    throw Error(image.source + ": the floor does not move in the image (standard deviation " +
+                format_rounded(spread(image), 1) + " pixels); move the probe up and down over a flat floor");
+  }
+}
+
+}  // namespace
+
+void TemporalOptions::check() const {
+  if (!(max_latency_s >= 2.0 * kSearchStep_s && max_latency_s <= 10.0)) {
+    throw Error("temporal calibration: the largest latency must be 0.01 to 10 s");
+  }
+  if (min_frames < 10) throw Error("temporal calibration: at least 10 frames are needed");
+  if (!(min_correlation > 0.0 && min_correlation < 1.0)) {
+    throw Error("temporal calibration: the correlation must be between 0 and 1");
+  }
+  if (!(min_motion_mm > 0.0 && min_motion_px > 0.0 && max_stddev_s > 0.0)) {
+    throw Error("temporal calibration: limits must be above 0");
+  }
+}
+
+TemporalCalibration find_latency(const Signal& image, const Signal& tracker, const TemporalOptions& options) {
+  options.check();
+  require_motion(without_spikes(image), tracker, options);
+  const std::string both = image.source == tracker.source ? image.source : image.source + " and " + tracker.source;
+  const SmoothSignal smooth(tracker);
+  Fit fit;
+  fit.scale_offset_latency[2] = start_of(without_spikes(image), smooth, options, both);
+  std::vector<bool> used;
+  // Scale and offset for the start's latency first, from frames without spikes.
+  evaluate(without_spikes(image), smooth, fit);
+  improve(fit, without_outliers(fit), false);
+  double moved = 1.0;
+  for (int round = 0; round < kRounds && moved > kSettled_s; ++round) {
+    evaluate(image, smooth, fit);
+    // Frames at the limit would come and go for ever.
+    const std::vector<bool> inside = without_outliers(fit);
+    if (round < kRounds / 3) used = inside;
+    for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] && std::isfinite(fit.errors[i].value);
+    moved = improve(fit, used, true);
+  }
+  evaluate(image, smooth, fit);
+  TemporalCalibration result;
+  result.frames_seen = static_cast<int>(image.values.size());
+  result.latency_s = fit.scale_offset_latency[2];
+  result.px_per_mm = fit.scale_offset_latency[0];
+  set_quality(image, smooth, fit, used, result);
+  if (!(result.correlation >= options.min_correlation) || result.frames_used < options.min_frames) {
+    throw Error(both +
+                ": the floor's depth does not follow the probe; move the probe straight up and down over a flat "
+                "floor");
+  }
+  if (!(result.stddev_s <= options.max_stddev_s) || moved > kSettled_s) {
+    throw Error(both + ": the motion does not tell the latency" +
+                (std::isfinite(result.stddev_s) ? " (only to " + milliseconds(result.stddev_s) + ")" : "") +
+                "; move the probe up and down, faster and for longer");
+  }
+  return result;
+}
+
+}  // namespace fathom

@@ -1,0 +1,209 @@
+#include "registration/temporal_calibration.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "tests/registration/coverage.h"
+
+namespace fathom {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+/// A hand's way up and down, in mm: never quite the same again.
+struct HandMotion {
+  std::array<double, 5> phase{};
+  explicit HandMotion(Random& random) {
+    for (double& value : phase) value = random.uniform(0.0, kTwoPi);
+  }
+  double operator()(double time) const {
+    constexpr std::array<double, 5> kHertz = {0.23, 0.47, 0.71, 1.13, 1.61};
+    constexpr std::array<double, 5> kMm = {6.0, 7.0, 5.0, 3.0, 1.5};
+    double place = 0.0;
+    for (std::size_t i = 0; i < phase.size(); ++i) place += kMm[i] * std::sin(kTwoPi * kHertz[i] * time + phase[i]);
+    return place;
+  }
+};
+
+struct Recorded {
+  double latency_s = 0.0;
+  double duration_s = 10.0;
+  double image_hz = 25.0;
+  double tracker_hz = 40.0;
+  double irregular = 0.3;  ///< of a frame's time
+  double missing = 0.1;    ///< share of frames and of poses
+  double image_noise_px = 1.0;
+  double tracker_noise_mm = 0.3;
+  double px_per_mm = -6.0;
+};
+
+struct Signals {
+  Signal image{"image.mha", {}};
+  Signal tracker{"tracker.mha", {}};
+};
+
+Signals recorded(const Recorded& how, const std::function<double(double)>& motion, Random& random) {
+  const auto times = [&](double hz, double missing) {
+    std::vector<double> result;
+    for (double time = random.uniform() / hz; time < how.duration_s; time += 1.0 / hz) {
+      if (random.uniform() < missing) continue;
+      result.push_back(100.0 + time + how.irregular * (random.uniform() - 0.5) / hz);
+    }
+    return result;
+  };
+  Signals signals;
+  for (const double time : times(how.image_hz, how.missing)) {
+    signals.image.values.push_back({time, 210.0 + how.px_per_mm * motion(time) + how.image_noise_px * random.normal()});
+  }
+  for (const double time : times(how.tracker_hz, how.missing)) {
+    signals.tracker.values.push_back({time, motion(time - how.latency_s) + how.tracker_noise_mm * random.normal()});
+  }
+  return signals;
+}
+
+std::string refusal(const Signals& signals, const TemporalOptions& options = {}) {
+  try {
+    find_latency(signals.image, signals.tracker, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(TemporalCalibration, FindsLatenciesOfHalfASecondToTwoMilliseconds) {
+  Random random(1);
+  for (double latency = -0.48; latency < 0.5; latency += 0.06) {
+    Recorded how;
+    how.latency_s = latency;
+    const Signals signals = recorded(how, HandMotion(random), random);
+    const TemporalCalibration result = find_latency(signals.image, signals.tracker);
+    EXPECT_NEAR(result.latency_s, latency, 0.002);
+    EXPECT_NEAR(result.px_per_mm, -6.0, 0.1);
+    EXPECT_GT(result.correlation, 0.99);
+    EXPECT_LT(result.stddev_s, 0.002);
+  }
+}
+
+TEST(TemporalCalibration, IsExactWithoutNoise) {
+  Random random(2);
+  Recorded how;
+  how.latency_s = 0.1234;
+  how.image_noise_px = 0.0;
+  how.tracker_noise_mm = 0.0;
+  const Signals signals = recorded(how, HandMotion(random), random);
+  EXPECT_NEAR(find_latency(signals.image, signals.tracker).latency_s, 0.1234, 2e-4);
+}
+
+Coverage coverage(const Recorded& how, Random& random) {
+  TemporalOptions options;
+  options.max_latency_s = 0.1;
+  Coverage result;
+  Recorded run_of = how;
+  for (int run = 0; run < 400; ++run) {
+    run_of.latency_s = random.uniform(-0.05, 0.05);
+    const Signals signals = recorded(run_of, HandMotion(random), random);
+    const TemporalCalibration fit = find_latency(signals.image, signals.tracker, options);
+    result.add(Eigen::VectorXd::Constant(1, fit.latency_s - run_of.latency_s),
+               Eigen::VectorXd::Constant(1, fit.stddev_s));
+  }
+  return result;
+}
+
+TEST(TemporalCalibration, StandardDeviationsCoverNoiseOfImages) {
+  Random random(3);
+  Recorded how;
+  how.image_noise_px = 4.0;
+  how.tracker_noise_mm = 0.0;
+  expect_covered(coverage(how, random));
+}
+
+TEST(TemporalCalibration, StandardDeviationsCoverNoiseOfTheTracker) {
+  Random random(4);
+  Recorded how;
+  how.image_noise_px = 0.5;
+  how.tracker_noise_mm = 0.5;
+  expect_covered(coverage(how, random));
+}
+
+// Frames and poses stamped alike: the noise of the poses must not pull the latency to half-way between them.
+TEST(TemporalCalibration, StandardDeviationsCoverRecordingsWithOneClock) {
+  Random random(5);
+  TemporalOptions options;
+  options.max_latency_s = 0.1;
+  Coverage result;
+  double mean = 0.0;
+  for (int run = 0; run < 400; ++run) {
+    const HandMotion motion(random);
+    Signals signals;
+    for (int i = 0; i < 250; ++i) {
+      const double time = 0.04 * i;
+      signals.image.values.push_back({time, 100.0 + 6.0 * motion(time) + random.normal()});
+      signals.tracker.values.push_back({time, motion(time - 0.01) + 0.5 * random.normal()});
+    }
+    const TemporalCalibration fit = find_latency(signals.image, signals.tracker, options);
+    result.add(Eigen::VectorXd::Constant(1, fit.latency_s - 0.01), Eigen::VectorXd::Constant(1, fit.stddev_s));
+    mean += (fit.latency_s - 0.01) / 400.0;
+  }
+  expect_covered(result);
+  EXPECT_LT(std::abs(mean), 2e-4);
+}
+
+TEST(TemporalCalibration, MistakenFloorsDoNotPull) {
+  Random random(6);
+  Recorded how;
+  how.latency_s = 0.15;
+  Signals signals = recorded(how, HandMotion(random), random);
+  for (TimedValue& value : signals.image.values) {
+    if (random.uniform() < 0.1) value.value = random.uniform(0.0, 480.0);
+  }
+  const TemporalCalibration result = find_latency(signals.image, signals.tracker);
+  EXPECT_NEAR(result.latency_s, 0.15, 0.002);
+  EXPECT_LT(result.frames_used, result.frames_seen);
+}
+
+TEST(TemporalCalibration, PeriodicMotionIsRefusedUntilTheRangeTells) {
+  Random random(7);
+  Recorded how;
+  how.latency_s = 0.06;
+  const auto regular = [](double time) { return 12.0 * std::sin(kTwoPi * 1.25 * time); };  // half a period is 0.4 s
+  const Signals signals = recorded(how, regular, random);
+  EXPECT_NE(refusal(signals).find("repeats itself"), std::string::npos) << refusal(signals);
+  TemporalOptions narrow;
+  narrow.max_latency_s = 0.15;
+  EXPECT_NEAR(find_latency(signals.image, signals.tracker, narrow).latency_s, 0.06, 0.002);
+}
+
+TEST(TemporalCalibration, SaysWhyThereIsNoLatency) {
+  Random random(8);
+  const HandMotion motion(random);
+  const auto none = [](double) { return 0.0; };
+  EXPECT_NE(refusal(recorded({}, none, random)).find("did not move"), std::string::npos);
+  Signals signals = recorded({}, motion, random);
+  signals.image = recorded({}, none, random).image;
+  EXPECT_NE(refusal(signals).find("floor does not move"), std::string::npos);
+
+  signals = recorded({}, motion, random);
+  signals.tracker = recorded({}, HandMotion(random), random).tracker;
+  EXPECT_NE(refusal(signals).find("does not follow"), std::string::npos) << refusal(signals);
+
+  signals = recorded({}, motion, random);
+  for (TimedValue& value : signals.tracker.values) value.time_s += 3600.0;
+  EXPECT_NE(refusal(signals).find("too little time"), std::string::npos);
+
+  const auto one_way = [](double time) { return 4.0 * time; };
+  EXPECT_NE(refusal(recorded({}, one_way, random)).find("up and down"), std::string::npos);
+
+  Recorded late;
+  late.latency_s = 0.8;
+  const std::string beyond = refusal(recorded(late, motion, random));
+  EXPECT_NE(beyond, "accepted");
+}
+
+}  // namespace
+}  // namespace fathom
