@@ -8,126 +8,16 @@
 #include "core/error.h"
 #include "core/numbers.h"
 #include "core/statistics.h"
+#include "registration/temporal_start.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr double kSearchStep_s = 0.005;  // the correlation of a hand's motion is round over ten times that
-constexpr double kValley = 0.5;          // of the best squared correlation: between two peaks it falls lower
-constexpr double kRival = 4.0;           // unexplained share of another peak over that of the best
-constexpr double kRivalLeast = 0.03;     // and at most this, whatever the noise
-constexpr double kOutlying = 6.0;        // of the median distance, 4 standard deviations
-constexpr double kLeastPx = 1e-6;        // perfect data must not divide by nothing
+constexpr double kOutlying = 6.0;  // of the median distance, 4 standard deviations
+constexpr double kLeastPx = 1e-6;  // perfect data must not divide by nothing
 constexpr int kRounds = 30;
 constexpr double kSettled_s = 1e-7;
-constexpr std::size_t kMedianFrames = 5;
-
-std::string milliseconds(double seconds) { return format_rounded(1e3 * seconds, 0) + " ms"; }
-
-/// The middle of five frames each: a floor mistaken in single frames does not disturb the search.
-Signal without_spikes(const Signal& signal) {
-  Signal result = signal;
-  const std::size_t count = signal.values.size();
-  constexpr std::size_t kHalf = kMedianFrames / 2;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::vector<double> near;
-    const std::size_t first = i < kHalf ? 0 : i - kHalf;
-    for (std::size_t k = first; k < std::min(count, first + kMedianFrames); ++k) near.push_back(signal.values[k].value);
-    result.values[i].value = median(std::move(near));
-  }
-  return result;
-}
-
-struct Correlated {
-  double latency_s = 0.0;
-  double squared = 0.0;  ///< correlation
-  int frames = 0;
-};
-
-Correlated correlate(const Signal& image, const SmoothSignal& tracker, double latency_s) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-  const double image_shift = image.values.front().value;  // keeps the sums small
-  for (const TimedValue& value : image.values) {
-    const auto place = tracker.roughly_at(value.time_s + latency_s);
-    if (!place) continue;
-    const double depth = value.value - image_shift;
-    n += 1.0;
-    x += *place;
-    y += depth;
-    xx += *place * *place;
-    xy += *place * depth;
-    yy += depth * depth;
-  }
-  const double both = n * xy - x * y;
-  const double product = (n * xx - x * x) * (n * yy - y * y);
-  return {latency_s, product > 0.0 ? both * both / product : 0.0, static_cast<int>(n)};
-}
-
-/// The correlations over the range, those with enough frames.
-std::vector<Correlated> correlations(const Signal& image, const SmoothSignal& tracker, const TemporalOptions& options) {
-  std::vector<Correlated> all;
-  const int steps = static_cast<int>(std::ceil(options.max_latency_s / kSearchStep_s));
-  int most = 0;
-  for (int i = -steps; i <= steps; ++i) {
-    all.push_back(correlate(image, tracker, options.max_latency_s * i / steps));
-    most = std::max(most, all.back().frames);
-  }
-  // Few frames resemble anything.
-  const int enough = std::max(options.min_frames, most / 2);
-  std::erase_if(all, [&](const Correlated& c) { return c.frames < enough; });
-  return all;
-}
-
-bool is_peak(const std::vector<Correlated>& all, std::size_t i) {
-  return i > 0 && i + 1 < all.size() && all[i].squared >= all[i - 1].squared && all[i].squared > all[i + 1].squared;
-}
-
-/// The highest peak beyond a valley on either side of the best one.
-std::optional<Correlated> rival_of(const std::vector<Correlated>& all, std::size_t best) {
-  std::optional<Correlated> rival;
-  for (const int direction : {-1, 1}) {
-    bool beyond = false;
-    for (auto i = static_cast<std::ptrdiff_t>(best); i >= 0 && i < static_cast<std::ptrdiff_t>(all.size());
-         i += direction) {
-      const auto at = static_cast<std::size_t>(i);
-      beyond = beyond || all[at].squared < kValley * all[best].squared;
-      if (beyond && (is_peak(all, at) || at == 0 || at + 1 == all.size()) &&
-          (!rival || all[at].squared > rival->squared)) {
-        rival = all[at];
-      }
-    }
-  }
-  return rival;
-}
-
-double start_of(const Signal& image, const SmoothSignal& tracker, const TemporalOptions& options,
-                const std::string& both) {
-  const std::vector<Correlated> all = correlations(image, tracker, options);
-  if (all.empty()) {
-    throw Error(both + ": share too little time (fewer than " + std::to_string(options.min_frames) +
-                " frames with poses); check that both were recorded at the same time, with one clock");
-  }
-  const auto best = static_cast<std::size_t>(
-      std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.squared < b.squared; }) -
-      all.begin());
-  const double correlation = std::sqrt(all[best].squared);
-  if (correlation < options.min_correlation) {
-    throw Error(both + ": the floor's depth does not follow the probe (correlation " + format_rounded(correlation, 2) +
-                "); check that both were recorded together, and move the probe straight up and down over a flat floor");
-  }
-  if (!is_peak(all, best)) {
-    throw Error(both + ": no latency within " + milliseconds(options.max_latency_s) +
-                " stands out; move the probe up and down several times, or allow more by --max-latency-s");
-  }
-  const auto rival = rival_of(all, best);
-  if (rival && 1.0 - rival->squared < std::max(kRival * (1.0 - all[best].squared), kRivalLeast)) {
-    throw Error(both + ": the motion repeats itself, so that latencies of about " + milliseconds(all[best].latency_s) +
-                " and " + milliseconds(rival->latency_s) +
-                " fit alike; move the probe irregularly, or limit the latency by --max-latency-s");
-  }
-  return all[best].latency_s;
-}
 
 /// Least squares of depth(t) = scale place(t + latency) + offset over the frames that are `used`.
 struct Fit {
@@ -182,7 +72,7 @@ double improve(Fit& fit, const std::vector<bool>& used, bool latency) {
     right[2] = 0.0;
   }
   Eigen::Vector3d step = normal.ldlt().solve(right);
-  step[2] = std::clamp(step[2], -2.0 * kSearchStep_s, 2.0 * kSearchStep_s);
+  step[2] = std::clamp(step[2], -2.0 * kLatencyStep_s, 2.0 * kLatencyStep_s);
   fit.scale_offset_latency += step;
   return std::abs(step[2]);
 }
@@ -265,7 +155,7 @@ void require_motion(const Signal& image, const Signal& tracker, const TemporalOp
 }  // namespace
 
 void TemporalOptions::check() const {
-  if (!(max_latency_s >= 2.0 * kSearchStep_s && max_latency_s <= 10.0)) {
+  if (!(max_latency_s >= 2.0 * kLatencyStep_s && max_latency_s <= 10.0)) {
     throw Error("temporal calibration: the largest latency must be 0.01 to 10 s");
   }
   if (min_frames < 10) throw Error("temporal calibration: at least 10 frames are needed");
@@ -283,7 +173,7 @@ TemporalCalibration find_latency(const Signal& image, const Signal& tracker, con
   const std::string both = image.source == tracker.source ? image.source : image.source + " and " + tracker.source;
   const SmoothSignal smooth(tracker);
   Fit fit;
-  fit.scale_offset_latency[2] = start_of(without_spikes(image), smooth, options, both);
+  fit.scale_offset_latency[2] = latency_start(without_spikes(image), smooth, options, both);
   std::vector<bool> used;
   // Scale and offset for the start's latency first, from frames without spikes.
   evaluate(without_spikes(image), smooth, fit);
@@ -309,9 +199,10 @@ TemporalCalibration find_latency(const Signal& image, const Signal& tracker, con
                 "floor");
   }
   if (!(result.stddev_s <= options.max_stddev_s) || moved > kSettled_s) {
-    throw Error(both + ": the motion does not tell the latency" +
-                (std::isfinite(result.stddev_s) ? " (only to " + milliseconds(result.stddev_s) + ")" : "") +
-                "; move the probe up and down, faster and for longer");
+    throw Error(
+        both + ": the motion does not tell the latency" +
+        (std::isfinite(result.stddev_s) ? " (only to " + format_rounded(1e3 * result.stddev_s, 0) + " ms)" : "") +
+        "; move the probe up and down, faster and for longer");
   }
   return result;
 }
