@@ -11,7 +11,7 @@ from surfaces import Grid, ball
 from tracked_recordings import over_floor
 
 MIB = 1 << 20
-TEMPORAL = "calibrate temporal"  # writes a hundred bytes
+TEMPORAL = "calibrate temporal"  # its complaint is longer than its file, so no limit leaves room for one only
 # Commands that write less than what a small disk holds.
 SMALL = ("convert to compressed mha", "convert to compressed nrrd", "segment", "surface", "isosurface", "eqnsurf", TEMPORAL)
 
@@ -109,8 +109,8 @@ def limited_file_size(program, folder, tally, writes):
     out = folder / "limited"
     writes.old_files(out)
     for name, arguments in writes.commands(out).items():
-        limit = 20 if name == TEMPORAL else 2000
-        must_fail(program, tally, f"{name}, files limited to {limit} bytes", out, arguments, max_file_bytes=limit)
+        if name != TEMPORAL:
+            must_fail(program, tally, f"{name}, files limited to 2 kB", out, arguments, max_file_bytes=2000)
     for name, arguments in writes.commands(out).items():
         if name not in SMALL:
             must_fail(program, tally, f"{name}, files limited to 300 kB", out, arguments, max_file_bytes=300_000)
