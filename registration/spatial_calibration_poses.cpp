@@ -48,10 +48,9 @@ std::optional<ProbePoses::At> ProbePoses::at(int frame, double latency_s) const 
   at.inside = part >= -kRounding && part <= 1.0 + kRounding;
   if (!at.inside) {  // a single valid pose among lost ones
     const auto stamp = std::lower_bound(times_s_.begin(), times_s_.end(), time);
-    const auto& alone = poses_[static_cast<std::size_t>(std::min(stamp, times_s_.end() - 1) - times_s_.begin())];
-    if (stamp != times_s_.end() && *stamp == time && alone) {
-      at = {*alone, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), true};
-    }
+    if (stamp == times_s_.end() || *stamp != time) return at;
+    const auto& alone = poses_[static_cast<std::size_t>(stamp - times_s_.begin())];
+    if (alone) at = {*alone, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), true};
   }
   return at;
 }
