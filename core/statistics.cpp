@@ -18,7 +18,8 @@ double correlated_neighbours(const Eigen::MatrixXd& errors) {
   if (n < 8 || squares <= 0.0) return 1.0;
   const double chance = 2.0 / std::sqrt(static_cast<double>(errors.size()));
   double count = 1.0;
-  for (Eigen::Index lag = 1; lag <= n / 4; ++lag) {
+  constexpr Eigen::Index kMostLags = 1000;
+  for (Eigen::Index lag = 1; lag <= std::min(kMostLags, n / 4); ++lag) {
     const double products = errors.topRows(n - lag).cwiseProduct(errors.bottomRows(n - lag)).sum();
     const double correlation = products / squares * static_cast<double>(n) / static_cast<double>(n - lag);
     if (correlation < chance) break;

@@ -77,15 +77,44 @@ double improve(Fit& fit, const std::vector<bool>& used, bool latency) {
   return std::abs(step[2]);
 }
 
-/// Variance of the latency, whose error is the sum of `shares`, one of each frame, where errors that are less than
-/// `width_s` apart may hang together, whatever the reason (weights fall off linearly).
-double variance_together(const std::vector<TimedValue>& shares, double width_s) {
+/// Mean products of errors that are so many frames' times apart: the variance first, up to the last that is beyond
+/// chance.
+std::vector<double> covariance_by_lag(const std::vector<TimedValue>& errors, double frame_s) {
+  constexpr std::size_t kMostLags = 250;  // ten seconds of images; what lasts longer is offset
+  const std::size_t lags = std::min(kMostLags, errors.size() / 4);
+  std::vector<double> products(lags, 0.0);
+  std::vector<double> pairs(lags, 0.0);
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    for (std::size_t k = i; k < errors.size(); ++k) {
+      const auto lag = static_cast<std::size_t>(std::lround((errors[k].time_s - errors[i].time_s) / frame_s));
+      if (lag >= lags) break;
+      products[lag] += errors[i].value * errors[k].value;
+      pairs[lag] += 1.0;
+    }
+  }
+  std::vector<double> covariance;
+  for (std::size_t lag = 0; lag < lags; ++lag) {
+    const double mean = pairs[lag] > 0.0 ? products[lag] / pairs[lag] : 0.0;
+    constexpr double kChance = 2.0;  // standard deviations
+    if (lag > 0 && mean * std::sqrt(pairs[lag]) < kChance * covariance[0]) break;
+    covariance.push_back(mean);
+  }
+  return covariance;
+}
+
+/// Variance of the latency when errors that follow each other hang together as they are seen to do. `pulls` is by how
+/// much the latency follows an error of each frame.
+double variance_together(const std::vector<TimedValue>& errors, const std::vector<TimedValue>& pulls) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < errors.size(); ++i) steps.push_back(errors[i].time_s - errors[i - 1].time_s);
+  const double frame_s = median(std::move(steps));
+  const std::vector<double> covariance = covariance_by_lag(errors, frame_s);
   double variance = 0.0;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    variance += shares[i].value * shares[i].value;
-    for (std::size_t k = i + 1; k < shares.size() && shares[k].time_s - shares[i].time_s < width_s; ++k) {
-      const double weight = 1.0 - (shares[k].time_s - shares[i].time_s) / width_s;
-      variance += 2.0 * weight * shares[i].value * shares[k].value;
+  for (std::size_t i = 0; i < pulls.size(); ++i) {
+    for (std::size_t k = i; k < pulls.size(); ++k) {
+      const auto lag = static_cast<std::size_t>(std::lround((pulls[k].time_s - pulls[i].time_s) / frame_s));
+      if (lag >= covariance.size()) break;
+      variance += (k == i ? 1.0 : 2.0) * pulls[i].value * pulls[k].value * covariance[lag];
     }
   }
   return variance;
@@ -118,7 +147,7 @@ void set_quality(const Signal& image, const SmoothSignal& tracker, const Fit& fi
                  TemporalCalibration& result) {
   const Eigen::Matrix3d inverse = normal_matrix(fit, used).inverse();
   std::vector<TimedValue> pulls;
-  std::vector<TimedValue> shares;
+  std::vector<TimedValue> errors;
   double squares = 0.0;
   Signal kept;
   for (std::size_t i = 0; i < used.size(); ++i) {
@@ -126,19 +155,17 @@ void set_quality(const Signal& image, const SmoothSignal& tracker, const Fit& fi
     const double error = fit.errors[i].value;
     squares += error * error;
     pulls.push_back({fit.errors[i].time_s, inverse.row(2).dot(fit.gradients[i])});
-    shares.push_back({fit.errors[i].time_s, pulls.back().value * error});
+    errors.push_back(fit.errors[i]);
     kept.values.push_back(image.values[i]);
   }
-  const auto n = static_cast<double>(shares.size());
+  const auto n = static_cast<double>(errors.size());
   constexpr double kParameters = 3.0;
-  constexpr double kWidths = 2.0;        // weights that fall off over one would lose half of what hangs together
-  constexpr double kBeyondChance = 1.6;  // estimates of variances that allow for everything are uncertain themselves
   result.rms_px = std::sqrt(squares / n);
   const double independent = variance_independent(tracker, fit, pulls, squares / (n - kParameters));
-  const double together = variance_together(shares, kWidths * tracker.width_s()) * n / (n - kParameters);
-  result.stddev_s = std::sqrt(together > kBeyondChance * independent ? together : independent);
+  const double together = variance_together(errors, pulls) * n / (n - kParameters);
+  result.stddev_s = std::sqrt(std::max(independent, together));
   result.correlation = std::sqrt(std::max(0.0, 1.0 - squares / (n * spread(kept) * spread(kept))));
-  result.frames_used = static_cast<int>(shares.size());
+  result.frames_used = static_cast<int>(errors.size());
 }
 
 void require_motion(const Signal& image, const Signal& tracker, const TemporalOptions& options) {

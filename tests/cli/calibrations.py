@@ -117,6 +117,11 @@ def landmarks(program, folder, tally):
     said = program.must_run(*register, named, *pointer).out
     tally.check("landmarks: for people", [w for w in ("left ear", "transform:", "verdict: good") if w not in said])
 
+    hesitant = folder / "hesitant.mha"
+    hesitant.write_bytes(tracked.pointing(["nose", "left ear", "in the air", "right ear", "brow"]))
+    found = program.must_run(*register, named, "--to-recording", hesitant, *pointer[2:], "--json").json()
+    tally.check("landmarks touched: one missed, one rest in the air", found["order"] != [0, 1, 3, None, 4] and found)
+
     square = csv(folder / "square.csv", [(0, 0, 0), (50, 0, 0), (50, 50, 0), (0, 50, 0)])
     line = csv(folder / "line.csv", [(0, 0, 0), (10, 10, 0), (30, 30, 0)])
     tally.check("landmarks refused: symmetric", refused(program, folder, [*register, square, "--to", square], "symmetric"))

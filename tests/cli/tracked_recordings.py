@@ -56,10 +56,13 @@ def pivoting(count=300, tilt=(0.5, 0.4), noise_mm=0.2):
     return recording("Stylus", times, poses)
 
 
+IN_THE_AIR = {"in the air": (20.0, -90.0, 140.0)}  # no landmark
+
+
 def moved_landmarks(names):
-    """Where the landmarks are in the tracker's coordinates."""
+    """Where the landmarks, or that place, are in the tracker's coordinates."""
     turn, shift = rotation(0.4, -0.3, 1.1), (120.0, 40.0, 650.0)
-    return [[value + offset for value, offset in zip(turned(turn, LANDMARKS[name]), shift)] for name in names]
+    return [[value + offset for value, offset in zip(turned(turn, (LANDMARKS | IN_THE_AIR)[name]), shift)] for name in names]
 
 
 def pointing(names, rest_s=1.2, move_s=0.8, noise_mm=0.2):

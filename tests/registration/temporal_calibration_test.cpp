@@ -154,6 +154,28 @@ TEST(TemporalCalibration, StandardDeviationsCoverRecordingsWithOneClock) {
   EXPECT_LT(std::abs(mean), 2e-4);
 }
 
+// A floor that is not quite flat and a probe that tilts: errors of a hand's speed, not of single frames.
+TEST(TemporalCalibration, StandardDeviationsCoverErrorsThatHangTogether) {
+  Random random(9);
+  TemporalOptions options;
+  options.max_latency_s = 0.1;
+  Coverage result;
+  Recorded how;
+  how.duration_s = 20.0;
+  for (int run = 0; run < 200; ++run) {
+    Signals signals = recorded(how, HandMotion(random), random);
+    double drift = 0.0;
+    for (TimedValue& value : signals.image.values) {
+      drift = 0.85 * drift + random.normal();  // counts together over 0.25 s
+      value.value += drift;
+    }
+    const TemporalCalibration fit = find_latency(signals.image, signals.tracker, options);
+    result.add(Eigen::VectorXd::Constant(1, fit.latency_s), Eigen::VectorXd::Constant(1, fit.stddev_s));
+  }
+  EXPECT_LT(result.spread(), 1.15);
+  EXPECT_GT(result.spread(), 0.9);
+}
+
 TEST(TemporalCalibration, MistakenFloorsDoNotPull) {
   Random random(6);
   Recorded how;
