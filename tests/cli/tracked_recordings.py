@@ -88,14 +88,24 @@ def hand(time):
     return 7 * math.sin(1.7 * time) + 6 * math.sin(3.1 * time + 1) + 4 * math.sin(5.3 * time + 2)
 
 
-def floor_image(depth, width, height):
+def speckled_rows():
+    """For every grey value a long row of speckle of that mean (Rayleigh's distribution), averaged over four looks."""
+    numbers = random.Random(6)
+    factors = [sum(math.sqrt(-math.log(1 - numbers.random())) for _ in range(4)) / (2 * math.sqrt(math.pi))
+               for _ in range(2000)]
+    return [bytes(min(255, int(value * factor)) for factor in factors) for value in range(256)]
+
+
+def floor_image(depth, width, height, rows, numbers):
     """A bright floor whose edge is soft, so that it can lie between pixels."""
-    rows = []
+    image = []
     for y in range(height):
         below = y - depth
-        value = 20 + 200 / (1 + math.exp(-1.5 * max(-40, min(40, below)))) * math.exp(-max(0, below) / 12)
-        rows.append(bytes([int(value)]) * width)
-    return b"".join(rows)
+        value = 20 + 140 / (1 + math.exp(-1.5 * max(-40, min(40, below)))) * math.exp(-max(0, below) / 12)
+        row = rows[int(value)]
+        start = numbers.randrange(len(row) - width)
+        image.append(row[start:start + width])
+    return b"".join(image)
 
 
 def probe_poses(times, latency_s):
@@ -111,7 +121,8 @@ def over_floor(latency_s, seconds=7.0, motion=hand):
     size = (96, 160)
     image_times = [100 + 0.04 * i for i in range(int(seconds / 0.04))]
     tracker_times = [100 + 0.017 * i for i in range(int(seconds / 0.017))]
-    images = [floor_image(80 - 2.5 * motion(t), *size) for t in image_times]
+    rows, numbers = speckled_rows(), random.Random(7)
+    images = [floor_image(80 - 2.5 * motion(t), *size, rows, numbers) for t in image_times]
     return (recording("Probe", image_times, None, images, size),
             recording("Probe", tracker_times, probe_poses(tracker_times, latency_s)),
             recording("Probe", image_times, probe_poses(image_times, latency_s), images, size))

@@ -145,6 +145,22 @@ TEST(TemporalCalibration, PeriodicMotionIsRefusedUntilTheRangeTells) {
   EXPECT_NEAR(find_latency(signals.image, signals.tracker, narrow).latency_s, 0.06, 0.002);
 }
 
+// What people do: up and down, about once a second, never quite alike.
+TEST(TemporalCalibration, AnUnsteadyRhythmIsEnough) {
+  Random random(10);
+  for (int run = 0; run < 20; ++run) {
+    Recorded how;
+    how.latency_s = random.uniform(-0.3, 0.3);
+    const double phase = random.uniform(0.0, kTwoPi);
+    const auto rhythm = [phase](double time) {
+      const double wander = 0.9 * std::sin(0.8 * time + phase) + 0.5 * std::sin(2.1 * time);
+      return (12.0 + 4.0 * std::sin(0.9 * time + 2.0 * phase)) * std::sin(kTwoPi * 0.9 * time + wander);
+    };
+    const Signals signals = recorded(how, rhythm, random);
+    EXPECT_NEAR(find_latency(signals.image, signals.tracker).latency_s, how.latency_s, 0.002);
+  }
+}
+
 TEST(TemporalCalibration, SaysWhyThereIsNoLatency) {
   Random random(8);
   const HandMotion motion(random);
