@@ -102,49 +102,53 @@ std::string name_of(const std::vector<Landmark>& landmarks, std::size_t index) {
   return landmarks[index].name.empty() ? std::to_string(index + 1) : landmarks[index].name;
 }
 
-void print(const LandmarkRegistration& fit, const std::vector<Landmark>& from, const std::vector<Landmark>& to,
-           const LandmarksCommand& command) {
-  std::vector<std::optional<std::size_t>> order(from.size());
-  for (const LandmarkRegistration::Pair& pair : fit.pairs) order[pair.from] = pair.to;
-  if (command.json) {
-    nlohmann::ordered_json json;
-    auto& numbers = json["transform"] = nlohmann::ordered_json::array();
-    for (int i = 0; i < 16; ++i) numbers.push_back(fit.to_from_from.matrix()(i / 4, i % 4));
-    json["rms_mm"] = fit.rms_mm;
-    json["error_mm"] = fit.error_mm;
-    auto& indices = json["order"] = nlohmann::ordered_json::array();
-    for (const auto& index : order) {
-      indices.push_back(index ? nlohmann::ordered_json(*index) : nlohmann::ordered_json(nullptr));
-    }
-    auto& pairs = json["pairs"] = nlohmann::ordered_json::array();
-    for (const LandmarkRegistration::Pair& pair : fit.pairs) {
-      pairs.push_back(
-          {{"from", name_of(from, pair.from)}, {"to", name_of(to, pair.to)}, {"distance_mm", pair.distance_mm}});
-    }
-    auto& found = json["to_mm"] = nlohmann::ordered_json::array();
-    for (const Landmark& landmark : to) {
-      found.push_back(std::vector<double>(landmark.position_mm.begin(), landmark.position_mm.end()));
-    }
-    json["verdict"] = verdict(fit, from.size(), to.size());
-    print_json(json);
-    return;
+/// For each landmark of the first list its pair, or nothing.
+std::vector<const LandmarkRegistration::Pair*> pair_of_each(const LandmarkRegistration& fit, std::size_t count) {
+  std::vector<const LandmarkRegistration::Pair*> pairs(count, nullptr);
+  for (const LandmarkRegistration::Pair& pair : fit.pairs) pairs[pair.from] = &pair;
+  return pairs;
+}
+
+void print_registration_json(const LandmarkRegistration& fit, const std::vector<Landmark>& from,
+                             const std::vector<Landmark>& to) {
+  nlohmann::ordered_json json;
+  auto& numbers = json["transform"] = nlohmann::ordered_json::array();
+  for (int i = 0; i < 16; ++i) numbers.push_back(fit.to_from_from.matrix()(i / 4, i % 4));
+  json["rms_mm"] = fit.rms_mm;
+  json["error_mm"] = fit.error_mm;
+  auto& order = json["order"] = nlohmann::ordered_json::array();
+  for (const auto* pair : pair_of_each(fit, from.size())) {
+    order.push_back(pair != nullptr ? nlohmann::ordered_json(pair->to) : nlohmann::ordered_json(nullptr));
   }
+  auto& pairs = json["pairs"] = nlohmann::ordered_json::array();
+  for (const LandmarkRegistration::Pair& pair : fit.pairs) {
+    pairs.push_back(
+        {{"from", name_of(from, pair.from)}, {"to", name_of(to, pair.to)}, {"distance_mm", pair.distance_mm}});
+  }
+  auto& places_mm = json["to_mm"] = nlohmann::ordered_json::array();
+  for (const Landmark& landmark : to) {
+    places_mm.push_back(std::vector<double>(landmark.position_mm.begin(), landmark.position_mm.end()));
+  }
+  json["verdict"] = verdict(fit, from.size(), to.size());
+  print_json(json);
+}
+
+void print_registration_table(const LandmarkRegistration& fit, const std::vector<Landmark>& from,
+                              const std::vector<Landmark>& to) {
   std::vector<std::vector<std::string>> rows{{"landmark", "partner", "distance (mm)"}};
+  const auto pairs = pair_of_each(fit, from.size());
   for (std::size_t i = 0; i < from.size(); ++i) {
-    std::optional<double> distance;
-    for (const LandmarkRegistration::Pair& pair : fit.pairs) {
-      if (pair.from == i) distance = pair.distance_mm;
-    }
-    rows.push_back({name_of(from, i), order[i] ? name_of(to, *order[i]) : "-", number_text(distance, 2)});
+    rows.push_back({name_of(from, i), pairs[i] != nullptr ? name_of(to, pairs[i]->to) : "-",
+                    pairs[i] != nullptr ? number_text(pairs[i]->distance_mm, 2) : "-"});
   }
   print_table(rows);
   std::cout << "transform:\n";
-  std::vector<std::vector<std::string>> matrix;
-  for (Eigen::Index row = 0; row < 4; ++row) {
-    matrix.emplace_back();
-    for (Eigen::Index column = 0; column < 4; ++column) {
-      matrix.back().push_back(number_text(fit.to_from_from.matrix()(row, column), column < 3 ? 6 : 3));
-    }
+  std::vector<std::vector<std::string>> matrix(4);
+  for (int i = 0; i < 16; ++i) {
+    constexpr int kTurnDecimals = 6;
+    constexpr int kMmDecimals = 3;
+    matrix[static_cast<std::size_t>(i / 4)].push_back(
+        number_text(fit.to_from_from.matrix()(i / 4, i % 4), i % 4 < 3 ? kTurnDecimals : kMmDecimals));
   }
   print_table(matrix);
   std::cout << "rms " << number_text(fit.rms_mm, 2) << " mm over " << fit.pairs.size() << " landmarks\n"
@@ -154,7 +158,8 @@ void print(const LandmarkRegistration& fit, const std::vector<Landmark>& from, c
 void run(const LandmarksCommand& command) {
   const std::vector<Landmark> from = read_landmarks(command.from);
   const std::vector<Landmark> to = command.to.empty() ? rests(command) : read_landmarks(command.to);
-  print(registration_of(from, to, command), from, to, command);
+  const LandmarkRegistration fit = registration_of(from, to, command);
+  (command.json ? print_registration_json : print_registration_table)(fit, from, to);
 }
 
 void add_landmarks(CLI::App& app) {

@@ -165,7 +165,22 @@ void set_quality(const Signal& image, const SmoothSignal& tracker, const Fit& fi
   const double together = variance_together(errors, pulls) * n / (n - kParameters);
   result.stddev_s = std::sqrt(std::max(independent, together));
   result.correlation = std::sqrt(std::max(0.0, 1.0 - squares / (n * spread(kept) * spread(kept))));
-  result.frames_used = static_cast<int>(errors.size());
+}
+
+/// Improves the fit until its latency stays. Returns which frames it is of; none where it does not settle.
+std::vector<bool> settle(const Signal& image, const SmoothSignal& tracker, Fit& fit) {
+  constexpr int kChoosing = 10;  // rounds; afterwards frames at the limit would come and go for ever
+  std::vector<bool> used;
+  bool settled = false;
+  for (int round = 0; round < kRounds && !settled; ++round) {
+    evaluate(image, tracker, fit);
+    if (round < kChoosing) used = without_outliers(fit);
+    for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] && std::isfinite(fit.errors[i].value);
+    settled = improve(fit, used, true) < kSettled_s;
+  }
+  evaluate(image, tracker, fit);
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] && std::isfinite(fit.errors[i].value);
+  return settled ? used : std::vector<bool>();
 }
 
 void require_motion(const Signal& image, const Signal& tracker, const TemporalOptions& options) {
@@ -196,40 +211,32 @@ void TemporalOptions::check() const {
 
 TemporalCalibration find_latency(const Signal& image, const Signal& tracker, const TemporalOptions& options) {
   options.check();
-  require_motion(without_spikes(image), tracker, options);
+  const Signal calm = without_spikes(image);
+  require_motion(calm, tracker, options);
   const std::string both = image.source == tracker.source ? image.source : image.source + " and " + tracker.source;
   const SmoothSignal smooth(tracker);
   Fit fit;
-  fit.scale_offset_latency[2] = latency_start(without_spikes(image), smooth, options, both);
-  std::vector<bool> used;
-  // Scale and offset for the start's latency first, from frames without spikes.
-  evaluate(without_spikes(image), smooth, fit);
+  fit.scale_offset_latency[2] = latency_start(calm, smooth, options, both);
+  // Scale and offset for the start's latency first.
+  evaluate(calm, smooth, fit);
   improve(fit, without_outliers(fit), false);
-  double moved = 1.0;
-  for (int round = 0; round < kRounds && moved > kSettled_s; ++round) {
-    evaluate(image, smooth, fit);
-    // Frames at the limit would come and go for ever.
-    const std::vector<bool> inside = without_outliers(fit);
-    if (round < kRounds / 3) used = inside;
-    for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] && std::isfinite(fit.errors[i].value);
-    moved = improve(fit, used, true);
-  }
-  evaluate(image, smooth, fit);
+  const std::vector<bool> used = settle(image, smooth, fit);
   TemporalCalibration result;
   result.frames_seen = static_cast<int>(image.values.size());
+  result.frames_used = static_cast<int>(std::count(used.begin(), used.end(), true));
   result.latency_s = fit.scale_offset_latency[2];
   result.px_per_mm = fit.scale_offset_latency[0];
-  set_quality(image, smooth, fit, used, result);
-  if (!(result.correlation >= options.min_correlation) || result.frames_used < options.min_frames) {
+  const bool enough = result.frames_used >= options.min_frames;
+  if (enough) set_quality(image, smooth, fit, used, result);
+  if (!enough || !(result.stddev_s <= options.max_stddev_s)) {
+    throw Error(both + ": the motion does not tell the latency" +
+                (result.stddev_s > 0.0 ? " (only to " + format_rounded(1e3 * result.stddev_s, 0) + " ms)" : "") +
+                "; move the probe up and down, faster and for longer");
+  }
+  if (!(result.correlation >= options.min_correlation)) {
     throw Error(both +
                 ": the floor's depth does not follow the probe; move the probe straight up and down over a flat "
                 "floor");
-  }
-  if (!(result.stddev_s <= options.max_stddev_s) || moved > kSettled_s) {
-    throw Error(
-        both + ": the motion does not tell the latency" +
-        (std::isfinite(result.stddev_s) ? " (only to " + format_rounded(1e3 * result.stddev_s, 0) + " ms)" : "") +
-        "; move the probe up and down, faster and for longer");
   }
   return result;
 }
