@@ -6,6 +6,7 @@ namespace fathom {
 
 /// Each adds one sub-command to the program; the command runs when the line was parsed. What it throws ends the
 /// program: Error with status 1.
+void add_calibrate(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_demo(CLI::App& app);
 void add_eqnsurf(CLI::App& app);
@@ -14,6 +15,7 @@ void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_planes(CLI::App& app);
 void add_reconstruct(CLI::App& app);
+void add_register(CLI::App& app);
 void add_reslice(CLI::App& app);
 void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);

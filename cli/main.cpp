@@ -44,6 +44,8 @@ int main(int argc, char** argv) {
   fathom::add_reconstruct(app);
   fathom::add_isosurface(app);
   fathom::add_eqnsurf(app);
+  fathom::add_calibrate(app);
+  fathom::add_register(app);
   fathom::add_demo(app);
 
   try {

@@ -1,6 +1,7 @@
 #include "core/numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -43,6 +44,14 @@ std::string format_real(double value) {
   char text[32];  // the longest shortest form has 24 characters
   const auto [end, code] = std::to_chars(text, text + sizeof text, value);
   return code == std::errc() ? std::string(text, end) : std::string();
+}
+
+std::string format_rounded(double value, int decimals) {
+  std::array<char, 400> text{};  // 1.8e308 has 309 digits
+  const auto [end, code] = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, decimals);
+  const std::string_view digits(text.data(), static_cast<std::size_t>(end - text.begin()));
+  const bool nothing = digits.find_first_not_of("-0.") == std::string_view::npos;
+  return std::string(nothing && digits.starts_with('-') ? digits.substr(1) : digits);
 }
 
 }  // namespace fathom

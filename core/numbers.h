@@ -19,4 +19,7 @@ std::optional<std::vector<double>> parse_reals(std::string_view text);
 /// The shortest text that reads back as exactly this number.
 std::string format_real(double value);
 
+/// A finite number for a reader's eyes, rounded: "-0.30" for (-0.3, 2); never "-0.00".
+std::string format_rounded(double value, int decimals);
+
 }  // namespace fathom

@@ -2,216 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/error.h"
 #include "core/numbers.h"
-#include "registration/spatial_calibration_motion.h"
+#include "core/statistics.h"
+#include "registration/spatial_calibration_covariance.h"
+#include "registration/spatial_calibration_errors.h"
 #include "registration/spatial_calibration_solve.h"
 
 namespace fathom {
 
 namespace {
 
-// A frame stands out when its rms is beyond this many medians. With k independent errors a good frame's rms is
-// distributed like chi of k: these are its quantile of 99.98 % over its median.
-constexpr std::array<double, 4> kOutlyingFrame = {5.5, 3.5, 2.9, 2.6};
-constexpr double kOutlyingPoint = 6.0;  // a point's distance, in medians of all
-constexpr double kGaussianMedian = 0.6745;
-constexpr double kCauchyScale = 2.4;    // 95 % as efficient as plain squares under Gaussian errors
-constexpr double kLeastScaleMm = 1e-6;  // perfect data must not divide by nothing
+constexpr double kCauchyScale = 2.4;  // 95 % as efficient as plain squares under Gaussian errors
 constexpr int kRounds = 8;
 constexpr int kBlocks = 10;                  // of frames that follow each other, left out in turn
 constexpr double kBetterBeyondChance = 2.0;  // standard errors of the paired difference
 constexpr double kBetterAtAll = 0.01;        // of the mean squared distance: less is not worth a parameter
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-struct Errors {
-  std::vector<Eigen::Vector3d> error_mm;
-  std::vector<bool> inside;
-};
-
-Errors errors_of(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
-                 const SpatialState& state) {
-  Errors errors;
-  for (const SpatialObservation& observation : observations) {
-    const auto at = poses.at(observation.frame, state.latency_s);
-    errors.inside.push_back(at && at->inside);
-    errors.error_mm.push_back(at ? spatial_error(observation, *at, state, nullptr) : Eigen::Vector3d::Zero());
-  }
-  return errors;
-}
-
-double row_scale(const std::vector<SpatialObservation>& observations, const Errors& errors,
-                 const std::vector<bool>& used) {
-  std::vector<double> rows;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!used[i]) continue;
-    for (int row = 0; row < observations[i].row_count; ++row) rows.push_back(std::abs(errors.error_mm[i][row]));
-  }
-  return std::max(kLeastScaleMm, median(std::move(rows)) / kGaussianMedian);
-}
-
-std::vector<bool> without_outliers(const std::vector<SpatialObservation>& observations, const Errors& errors) {
-  struct Frame {
-    double squares = 0.0;
-    int rows = 0;
-  };
-  std::map<int, Frame> frames;
-  std::vector<double> points;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!errors.inside[i]) continue;
-    Frame& frame = frames[observations[i].frame];
-    frame.squares += errors.error_mm[i].squaredNorm();
-    frame.rows += observations[i].row_count;
-    points.push_back(errors.error_mm[i].norm());
-  }
-  // One wrong point must not condemn a frame of nine: it goes first.
-  const double farthest_point = std::max(kLeastScaleMm, kOutlyingPoint * median(std::move(points)));
-  std::vector<bool> used(observations.size(), false);
-  std::map<int, int> points_left_out;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!errors.inside[i]) continue;
-    used[i] = errors.error_mm[i].norm() <= farthest_point;
-    if (used[i]) continue;
-    Frame& frame = frames[observations[i].frame];
-    frame.squares -= errors.error_mm[i].squaredNorm();
-    frame.rows -= observations[i].row_count;
-  }
-  std::vector<double> rms;
-  for (const auto& [number, frame] : frames) {
-    if (frame.rows > 0) rms.push_back(std::sqrt(std::max(0.0, frame.squares) / frame.rows));
-  }
-  const double usual = std::max(kLeastScaleMm, median(std::move(rms)));
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!used[i]) continue;
-    const Frame& frame = frames[observations[i].frame];
-    const auto freedom = static_cast<std::size_t>(std::clamp(frame.rows / 2, 1, 4)) - 1;
-    used[i] = std::sqrt(std::max(0.0, frame.squares) / frame.rows) <= usual * kOutlyingFrame[freedom];
-  }
-  return used;
-}
-
-std::vector<int> frames_of(const std::vector<SpatialObservation>& observations, const std::vector<bool>& used) {
-  std::vector<int> frames;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (used[i]) frames.push_back(observations[i].frame);
-  }
-  std::sort(frames.begin(), frames.end());
-  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
-  return frames;
-}
-
-struct FrameRows {
-  Eigen::VectorXd errors;
-  Eigen::MatrixXd jacobian;
-};
-
-// Rows of all observations of a frame together, columns of the fitted parameters only.
-std::map<int, FrameRows> rows_by_frame(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
-                                       const SpatialFit& fit) {
-  std::map<int, std::vector<std::size_t>> members;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (fit.used[i]) members[observations[i].frame].push_back(i);
-  }
-  const auto columns = static_cast<Eigen::Index>(fit.parameters.size());
-  std::map<int, FrameRows> frames;
-  for (const auto& [number, indices] : members) {
-    Eigen::Index rows = 0;
-    for (const std::size_t i : indices) rows += observations[i].row_count;
-    FrameRows& frame = frames[number];
-    frame.errors.resize(rows);
-    frame.jacobian.resize(rows, columns);
-    const auto at = poses.at(number, fit.state.latency_s);
-    Eigen::Index row = 0;
-    for (const std::size_t i : indices) {
-      Eigen::Matrix<double, 3, kSpatialParameters> jacobian;
-      const Eigen::Vector3d error = spatial_error(observations[i], *at, fit.state, &jacobian);
-      for (int k = 0; k < observations[i].row_count; ++k, ++row) {
-        frame.errors[row] = error[k];
-        for (Eigen::Index c = 0; c < columns; ++c) {
-          frame.jacobian(row, c) = jacobian(k, fit.parameters[static_cast<std::size_t>(c)]);
-        }
-      }
-    }
-  }
-  return frames;
-}
-
-// Covariance of parameters whose errors hang together within frames: A (sum g g^T) A, A = (J^T J)^-1, g = J_f^T e_f.
-// Residuals are smaller than errors, as the fit follows them; (I - H_f)^(-1/2), H_f = J_f A J_f^T, undoes that. It is
-// applied as a series, for H_f is small where there are many more frames than parameters.
-void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservation>& observations, SpatialFit& fit,
-                    const SpatialOptions& options) {
-  const auto frames = rows_by_frame(poses, observations, fit);
-  const auto n = static_cast<Eigen::Index>(fit.parameters.size());
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
-  double squares = 0.0;
-  Eigen::Index rows = 0;
-  for (const auto& [number, frame] : frames) {
-    normal += frame.jacobian.transpose() * frame.jacobian;
-    squares += frame.errors.squaredNorm();
-    rows += frame.errors.size();
-  }
-  // Scaled to a diagonal of ones, so that units do not count.
-  const Eigen::VectorXd size = normal.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * normal * size.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  constexpr double kSingular = 1e-11;
-  if (eigen.eigenvalues()[0] < kSingular || !eigen.eigenvectors().allFinite()) {
-    throw Error(poses.recording() + ": the motion does not determine the calibration: " +
-                movement_to_add(poses, frames_of(observations, fit.used), fit.state));
-  }
-  const Eigen::MatrixXd inverse =
-      size.cwiseInverse().asDiagonal() *
-      (eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose()) *
-      size.cwiseInverse().asDiagonal();
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
-  for (const auto& [number, frame] : frames) {
-    const Eigen::MatrixXd square = frame.jacobian.transpose() * frame.jacobian * inverse;
-    const Eigen::VectorXd g0 = frame.jacobian.transpose() * frame.errors;
-    const Eigen::VectorXd g1 = square * g0;
-    const Eigen::VectorXd g2 = square * g1;
-    const Eigen::VectorXd g3 = square * g2;
-    const Eigen::VectorXd g = g0 + 0.5 * g1 + 0.375 * g2 + 0.3125 * g3;
-    sum += g * g.transpose();
-  }
-  fit.covariance = inverse * sum * inverse;
-  fit.covariance = (0.5 * (fit.covariance + fit.covariance.transpose())).eval();
-  // The place of a pixel seen: how its error there depends on the calibration's own parameters.
-  fit.worst_point_sd_mm = 0.0;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!fit.used[i]) continue;
-    SpatialObservation place = observations[i];
-    place.rows = Eigen::Matrix3d::Identity();
-    Eigen::Matrix<double, 3, kSpatialParameters> jacobian;
-    spatial_error(place, ProbePoses::At{}, fit.state, &jacobian);
-    Eigen::MatrixXd own(3, n);
-    for (Eigen::Index c = 0; c < n; ++c) {
-      const int parameter = fit.parameters[static_cast<std::size_t>(c)];
-      own.col(c) = parameter < kLatency ? Eigen::Vector3d(jacobian.col(parameter)) : Eigen::Vector3d::Zero();
-    }
-    fit.worst_point_sd_mm =
-        std::max(fit.worst_point_sd_mm, std::sqrt((own * fit.covariance * own.transpose()).trace()));
-  }
-  fit.rms_mm = 0.0;
-  const auto points = std::count(fit.used.begin(), fit.used.end(), true);
-  if (points > 0) fit.rms_mm = std::sqrt(squares / static_cast<double>(points));
-  if (fit.worst_point_sd_mm > options.max_point_sd_mm) {
-    throw Error(poses.recording() + ": the motion determines the calibration only to " +
-                std::to_string(static_cast<int>(std::ceil(fit.worst_point_sd_mm))) +
-                " mm: " + movement_to_add(poses, frames_of(observations, fit.used), fit.state));
-  }
-}
 
 SpatialFit robust_fit(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
                       const SpatialState& start, const SpatialMask& fitted, const SpatialOptions& options) {
@@ -223,14 +33,14 @@ SpatialFit robust_fit(const ProbePoses& poses, const std::vector<SpatialObservat
   }
   constexpr int kLossRounds = 3;
   for (int round = 0; round < kLossRounds; ++round) {
-    const Errors errors = errors_of(poses, observations, fit.state);
+    const SpatialErrors errors = spatial_errors(poses, observations, fit.state);
     fit.used = errors.inside;
     const double scale = kCauchyScale * row_scale(observations, errors, fit.used);
     fit.state = solve_spatial(poses, observations, fit.used, fit.state, fitted, scale, 20, options.max_latency_s);
   }
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<bool> before = fit.used;
-    fit.used = without_outliers(observations, errors_of(poses, observations, fit.state));
+    fit.used = without_outliers(observations, spatial_errors(poses, observations, fit.state));
     if (round > 0 && fit.used == before) break;
     fit.state = solve_spatial(poses, observations, fit.used, fit.state, fitted, 0.0, 30, options.max_latency_s);
   }
@@ -242,7 +52,7 @@ SpatialFit robust_fit(const ProbePoses& poses, const std::vector<SpatialObservat
 // The median of frames' rms over the pixel's size: in pixels, or shrinking the image to a point would win.
 double badness(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
                const SpatialState& state) {
-  const Errors errors = errors_of(poses, observations, state);
+  const SpatialErrors errors = spatial_errors(poses, observations, state);
   std::vector<double> distances;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (errors.inside[i]) distances.push_back(errors.error_mm[i].norm());
@@ -314,7 +124,7 @@ std::vector<std::pair<int, double>> cross_validated(const ProbePoses& poses,
     }
     const SpatialState state =
         solve_spatial(poses, observations, kept, fit.state, fit.fitted, 0.0, 20, std::abs(fit.state.latency_s) + 1.0);
-    const Errors errors = errors_of(poses, observations, state);
+    const SpatialErrors errors = spatial_errors(poses, observations, state);
     for (std::size_t i = 0; i < kept.size(); ++i) {
       if (!fit.used[i] || kept[i]) continue;
       auto& sum = sums[observations[i].frame];

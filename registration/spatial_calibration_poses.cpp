@@ -46,8 +46,11 @@ std::optional<ProbePoses::At> ProbePoses::at(int frame, double latency_s) const 
   at.turning_rad_s = after->turn_rad / after->duration_s;
   constexpr double kRounding = 1e-6;  // of a step: stamps of 2588.141729 s keep no more
   at.inside = part >= -kRounding && part <= 1.0 + kRounding;
-  if (!at.inside && latency_s == 0.0 && own) {  // a single valid pose among lost ones
-    at = {*own, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), true};
+  if (!at.inside) {  // a single valid pose among lost ones
+    const auto stamp = std::lower_bound(times_s_.begin(), times_s_.end(), time);
+    if (stamp == times_s_.end() || *stamp != time) return at;
+    const auto& alone = poses_[static_cast<std::size_t>(stamp - times_s_.begin())];
+    if (alone) at = {*alone, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), true};
   }
   return at;
 }

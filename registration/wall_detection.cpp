@@ -179,7 +179,8 @@ namespace {
 template <typename Look>
 void for_each_image(const Recording& recording, const char* target, const Progress& progress, const Look& look) {
   const RecordingHeader& header = recording.header();
-  if (!header.has_images()) throw Error(recording.name() + ": has no images in which to look for " + target);
+  if (!header.has_images())
+    throw Error(recording.name() + ": has no images in which to look for " + target + "; give a recording with images");
   const int count = header.frame_count();
   for (int start = 0; start < count; start += kFramesPerReport) {
     report(progress, static_cast<double>(start) / count);

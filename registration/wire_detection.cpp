@@ -6,6 +6,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
+#include "core/statistics.h"
 
 namespace fathom {
 
@@ -45,12 +46,6 @@ struct Verdict {
   double misfit = 0.0;  ///< mean over the frames, of the phantom's width
   Eigen::Vector2d pixel_mm = Eigen::Vector2d::Zero();
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Verdict judge(const std::vector<const std::vector<BrightSpot>*>& frames, const WirePhantom& phantom,
               ImageOrientation orientation, const WireDetectionOptions& options) {

@@ -2,143 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "core/error.h"
+#include "registration/wire_readings.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr double kLeastSize_mm = 1.0;    // of a pattern, either way
-constexpr double kParallel = 0.02;       // radians: wires are strung through drilled holes
-constexpr double kBeyondWire = 0.04;     // of its length, how far the middle wire may be met beyond its ends
-constexpr double kLeastSpan = 0.06;      // of the farthest distance of two spots: an N is not narrower
-constexpr double kLeastOffset_px = 2.5;  // spots are not placed better than this in the coarse comparison
-constexpr std::size_t kFitted = 40;      // most promising readings that are fitted in space
-
-Eigen::Matrix2d canonical_from_image(ImageOrientation orientation) {
-  Eigen::Matrix2d matrix;
-  switch (orientation) {
-    case ImageOrientation::kWire0Left:
-      matrix << 1, 0, 0, 1;
-      break;
-    case ImageOrientation::kWire0Right:
-      matrix << -1, 0, 0, 1;
-      break;
-    case ImageOrientation::kUpsideDownWire0Left:
-      matrix << 1, 0, 0, -1;
-      break;
-    case ImageOrientation::kUpsideDownWire0Right:
-      matrix << -1, 0, 0, -1;
-      break;
-    case ImageOrientation::kFirstPatternLeft:
-      matrix << 0, 1, 1, 0;
-      break;
-    case ImageOrientation::kFirstPatternLeftMirrored:
-      matrix << 0, -1, 1, 0;
-      break;
-    case ImageOrientation::kFirstPatternRight:
-      matrix << 0, 1, -1, 0;
-      break;
-    case ImageOrientation::kFirstPatternRightMirrored:
-      matrix << 0, -1, -1, 0;
-      break;
-  }
-  return matrix;
-}
-
-/// The phantom seen along its outer wires: x from wire 0 to wire 2, z from the first pattern to the last.
-struct EndView {
-  Eigen::Matrix3d phantom_from_view;  ///< columns: x, along the wires (front to back), z
-  struct Pattern {
-    Eigen::Vector2d left;      ///< wire 0, (x, z), mm
-    Eigen::Vector2d right;     ///< wire 2
-    double front_ratio = 0.0;  ///< of the middle wire's front, 0 at wire 0 and 1 at wire 2
-    double back_ratio = 0.0;
-    double front_mm = 0.0;  ///< where the middle wire's ends are along the wires
-    double back_mm = 0.0;
-  };
-  std::vector<Pattern> patterns;
-};
-
-EndView end_view(const WirePhantom& phantom) {
-  Eigen::Vector3d along = Eigen::Vector3d::Zero();
-  Eigen::Vector3d across = Eigen::Vector3d::Zero();
-  for (const NPattern& pattern : phantom.patterns) {
-    along += (pattern[0].back - pattern[0].front).normalized() + (pattern[2].back - pattern[2].front).normalized();
-    across += pattern[2].front - pattern[0].front;
-  }
-  along.normalize();
-  across = (across - along * along.dot(across)).normalized();
-  Eigen::Vector3d down = across.cross(along);
-  const NPattern& first = phantom.patterns.front();
-  const NPattern& last = phantom.patterns.back();
-  if (down.dot(last[0].front + last[2].front - first[0].front - first[2].front) < 0.0) down = -down;
-
-  EndView view;
-  view.phantom_from_view << across, along, down;
-  const auto seen = [&](const Eigen::Vector3d& x) { return Eigen::Vector2d(across.dot(x), down.dot(x)); };
-  for (const NPattern& pattern : phantom.patterns) {
-    EndView::Pattern& to = view.patterns.emplace_back();
-    to.left = seen((pattern[0].front + pattern[0].back) / 2.0);
-    to.right = seen((pattern[2].front + pattern[2].back) / 2.0);
-    const Eigen::Vector2d span = to.right - to.left;
-    to.front_ratio = (seen(pattern[1].front) - to.left).dot(span) / span.squaredNorm();
-    to.back_ratio = (seen(pattern[1].back) - to.left).dot(span) / span.squaredNorm();
-    to.front_mm = along.dot(pattern[1].front);
-    to.back_mm = along.dot(pattern[1].back);
-  }
-  return view;
-}
-
-/// Three spots that may be an N.
-struct Triple {
-  std::array<std::size_t, 3> spots;  // left, middle, right
-  Eigen::Vector2d left;
-  Eigen::Vector2d span;
-  double ratio = 0.0;
-};
-
-bool shares_a_spot(const Triple& a, const Triple& b) {
-  return std::any_of(a.spots.begin(), a.spots.end(), [&](std::size_t spot) {
-    return std::find(b.spots.begin(), b.spots.end(), spot) != b.spots.end();
-  });
-}
-
-std::vector<Triple> triples_on_lines(std::span<const Eigen::Vector2d> at, const WireMatchOptions& options) {
-  double farthest = 0.0;
-  for (const Eigen::Vector2d& a : at) {
-    for (const Eigen::Vector2d& b : at) farthest = std::max(farthest, (a - b).norm());
-  }
-  std::vector<Triple> triples;
-  for (std::size_t left = 0; left < at.size(); ++left) {
-    for (std::size_t right = 0; right < at.size(); ++right) {
-      const Eigen::Vector2d span = at[right] - at[left];
-      const double length = span.norm();
-      if (span.x() <= 0.0 || length < kLeastSpan * farthest) continue;
-      if (std::abs(std::atan2(span.y(), span.x())) > options.max_turn_rad) continue;
-      const double off_line = std::max(kLeastOffset_px, options.collinearity * length);
-      for (std::size_t middle = 0; middle < at.size(); ++middle) {
-        if (middle == left || middle == right) continue;
-        const Eigen::Vector2d to = at[middle] - at[left];
-        const double ratio = to.dot(span) / (length * length);
-        if (ratio <= 0.0 || ratio >= 1.0) continue;
-        if (std::abs(to.x() * span.y() - to.y() * span.x()) > off_line * length) continue;
-        triples.push_back({{left, middle, right}, at[left], span, ratio});
-      }
-    }
-  }
-  return triples;
-}
-
-/// The coarse comparison: what two patterns say of the image, in pixels for each millimetre.
-struct CoarseView {
-  Eigen::Vector2d right;  ///< along the phantom's x
-  Eigen::Vector2d down;   ///< along its z
-  Eigen::Vector2d origin;
-  Eigen::Vector2d at(const Eigen::Vector2d& x_mm) const { return origin + right * x_mm.x() + down * x_mm.y(); }
-};
+constexpr std::size_t kFitted = 40;  // most promising readings that are fitted in space
 
 class Identifier {
  public:
@@ -146,41 +17,28 @@ class Identifier {
              const std::optional<Eigen::Vector2d>& pixel_mm, const WireMatchOptions& options)
       : spots_(spots),
         phantom_(phantom),
-        view_(end_view(phantom)),
+        view_(wire_end_view(phantom)),
         canonical_from_image_(canonical_from_image(orientation)),
         pixel_mm_(pixel_mm),
         options_(options),
         width_mm_(phantom_width_mm(phantom)) {
-    for (const BrightSpot& spot : spots) {
-      at_.emplace_back(canonical_from_image_ * spot.centre_px);
-      brightest_ = std::max(brightest_, spot.contrast);
-    }
+    for (const BrightSpot& spot : spots) at_.emplace_back(canonical_from_image_ * spot.centre_px);
     const std::size_t count = phantom.patterns.size();
     needed_ = count >= 3 && pixel_mm ? count - 1 : count;
   }
 
-  std::optional<WireMatch> identify() {
-    if (at_.size() < 3 * needed_) return std::nullopt;
-    find_triples();
-    if (view_.patterns.size() == 1) {
-      for (std::size_t i = 0; i < triples_[0].size(); ++i) add_lone(i);
-    } else {
-      for (std::size_t a = 0; a + 1 < view_.patterns.size(); ++a) {
-        for (std::size_t b = a + 1; b < view_.patterns.size(); ++b) {
-          if (needed_ == view_.patterns.size() && (a != 0 || b != 1)) continue;  // every reading has these two
-          compare(a, b);
-        }
-      }
-    }
-    std::stable_sort(readings_.begin(), readings_.end(),
-                     [](const Reading& a, const Reading& b) { return a.promise > b.promise; });
+  std::optional<WireMatch> identify() const {
+    std::optional<Eigen::Vector2d> canonical_pixel_mm;
+    if (pixel_mm_) canonical_pixel_mm = (canonical_from_image_ * *pixel_mm_).cwiseAbs();
+    const WireReadings found(spots_, at_, view_, canonical_pixel_mm, needed_, options_);
+    const std::vector<WireReading>& readings = found.readings();
     std::optional<WireMatch> best;
     double best_score = 0.0;
-    for (std::size_t i = 0; i < std::min(kFitted, readings_.size()); ++i) {
-      const std::optional<WireMatch> match = fitted(readings_[i]);
+    for (std::size_t i = 0; i < std::min(kFitted, readings.size()); ++i) {
+      const std::optional<WireMatch> match = fitted(readings[i]);
       if (!match) continue;
-      const double score =
-          match->points + 2.0 * match->mean_contrast / brightest_ - match->rms_mm / (options_.max_rms * width_mm_);
+      const double score = match->points + 2.0 * match->mean_contrast / found.brightest() -
+                           match->rms_mm / (options_.max_rms * width_mm_);
       if (best && score <= best_score) continue;
       best = match;
       best_score = score;
@@ -189,119 +47,9 @@ class Identifier {
   }
 
  private:
-  struct Reading {
-    std::vector<const Triple*> triples;  // one for each pattern, null where there is none
-    CoarseView view;
-    double promise = 0.0;
-  };
-
-  void find_triples() {
-    const std::vector<Triple> all = triples_on_lines(at_, options_);
-    triples_.resize(view_.patterns.size());
-    for (std::size_t k = 0; k < view_.patterns.size(); ++k) {
-      const EndView::Pattern& pattern = view_.patterns[k];
-      for (const Triple& triple : all) {
-        const double along = (triple.ratio - pattern.front_ratio) / (pattern.back_ratio - pattern.front_ratio);
-        if (along > -kBeyondWire && along < 1.0 + kBeyondWire) triples_[k].push_back(triple);
-      }
-    }
-  }
-
-  /// Whether pixels of a possible size see the phantom in this way; tilting the image only makes it larger.
-  bool plausible(const CoarseView& view) const {
-    const double right = view.right.norm();
-    const double down = view.down.norm();
-    const double cosine = std::abs(view.right.dot(view.down)) / (right * down);
-    if (view.down.y() <= 0.0 || cosine > std::sin(options_.max_tilt_rad)) return false;
-    const double stretch = 1.0 / std::cos(options_.max_tilt_rad);
-    if (!pixel_mm_) return right < options_.max_pixel_aspect * down && down < options_.max_pixel_aspect * right;
-    const Eigen::Vector2d pixel = (canonical_from_image_ * *pixel_mm_).cwiseAbs();
-    // Turned in the image, either pixel size may be met.
-    const double smallest = pixel.minCoeff() * (1.0 - options_.scale_tolerance);
-    const double largest = pixel.maxCoeff() * (1.0 + options_.scale_tolerance);
-    return right * largest > 1.0 && down * largest > 1.0 && right * smallest < stretch && down * smallest < stretch;
-  }
-
-  void compare(std::size_t a, std::size_t b) {
-    const EndView::Pattern& first = view_.patterns[a];
-    const EndView::Pattern& second = view_.patterns[b];
-    const Eigen::Vector2d span_a_mm = first.right - first.left;
-    const Eigen::Vector2d span_b_mm = second.right - second.left;
-    for (const Triple& upper : triples_[a]) {
-      for (const Triple& lower : triples_[b]) {
-        // The outer wires of a pattern are level in the phantom's x to within its drilling: enough for a comparison.
-        const Eigen::Vector2d right_a = upper.span / span_a_mm.x();
-        const Eigen::Vector2d right_b = lower.span / span_b_mm.x();
-        if ((right_a - right_b).squaredNorm() >
-            options_.width_tolerance * options_.width_tolerance * right_a.squaredNorm()) {
-          continue;
-        }
-        CoarseView view;
-        view.right = (right_a + right_b) / 2.0;
-        const Eigen::Vector2d middle_a = upper.left + upper.span / 2.0;
-        const Eigen::Vector2d middle_b = lower.left + lower.span / 2.0;
-        const Eigen::Vector2d between_mm = (second.left + second.right - first.left - first.right) / 2.0;
-        if (std::abs(between_mm.y()) < kLeastSize_mm) continue;
-        view.down = (middle_b - middle_a - view.right * between_mm.x()) / between_mm.y();
-        const Eigen::Vector2d middle_mm = (first.left + first.right) / 2.0;
-        view.origin = middle_a - view.right * middle_mm.x() - view.down * middle_mm.y();
-        if (!plausible(view) || shares_a_spot(upper, lower)) continue;
-        add_reading(a, upper, b, lower, view, (right_a - right_b).norm() / right_a.norm());
-      }
-    }
-  }
-
-  void add_reading(std::size_t a, const Triple& upper, std::size_t b, const Triple& lower, const CoarseView& view,
-                   double misfit) {
-    Reading reading;
-    reading.view = view;
-    reading.triples.assign(view_.patterns.size(), nullptr);
-    reading.triples[a] = &upper;
-    reading.triples[b] = &lower;
-    std::size_t found = 2;
-    for (std::size_t k = 0; k < view_.patterns.size(); ++k) {
-      if (reading.triples[k] != nullptr) continue;
-      const Eigen::Vector2d left = view.at(view_.patterns[k].left);
-      const Eigen::Vector2d right = view.at(view_.patterns[k].right);
-      // What two patterns say of a third is the less sure the farther it is.
-      double nearest = 2.0 * options_.width_tolerance * (right - left).norm();
-      for (const Triple& triple : triples_[k]) {
-        const double distance = std::max((triple.left - left).norm(), (triple.left + triple.span - right).norm());
-        if (distance >= nearest || shares_a_spot(triple, upper) || shares_a_spot(triple, lower)) continue;
-        nearest = distance;
-        reading.triples[k] = &triple;
-      }
-      if (reading.triples[k] == nullptr) continue;
-      ++found;
-      misfit += nearest / (right - left).norm();
-    }
-    if (found < needed_) return;
-    double contrast = 0.0;
-    for (const Triple* triple : reading.triples) {
-      if (triple == nullptr) continue;
-      for (const std::size_t spot : triple->spots) contrast += spots_[spot].contrast / brightest_;
-    }
-    reading.promise = static_cast<double>(3 * found) + contrast / static_cast<double>(3 * found) - misfit;
-    readings_.push_back(std::move(reading));
-  }
-
-  void add_lone(std::size_t i) {
-    const Triple& triple = triples_[0][i];
-    const EndView::Pattern& pattern = view_.patterns[0];
-    Reading reading;
-    reading.triples = {&triple};
-    // A square pixel, and a plane square to the wires, until more is known.
-    reading.view.right = triple.span / (pattern.right - pattern.left).norm();
-    reading.view.down = Eigen::Vector2d(-reading.view.right.y(), reading.view.right.x());
-    reading.view.origin = triple.left - reading.view.right * pattern.left.x() - reading.view.down * pattern.left.y();
-    if (!plausible(reading.view)) return;
-    for (const std::size_t spot : triple.spots) reading.promise += spots_[spot].contrast;
-    readings_.push_back(std::move(reading));
-  }
-
   /// An affine map from pixels to the phantom: x and z as in the coarse view, the place along the wires from the
   /// ratios.
-  Eigen::Affine3d start_of(const Reading& reading) const {
+  Eigen::Affine3d start_of(const WireReading& reading) const {
     Eigen::Matrix2d image_from_mm;
     image_from_mm << reading.view.right, reading.view.down;
     const Eigen::Matrix2d mm_from_image = image_from_mm.inverse();
@@ -309,8 +57,8 @@ class Identifier {
     std::vector<double> along_mm;
     for (std::size_t k = 0; k < view_.patterns.size(); ++k) {
       if (reading.triples[k] == nullptr) continue;
-      const Triple& triple = *reading.triples[k];
-      const EndView::Pattern& pattern = view_.patterns[k];
+      const WireTriple& triple = *reading.triples[k];
+      const WireEndView::Pattern& pattern = view_.patterns[k];
       const double along = (triple.ratio - pattern.front_ratio) / (pattern.back_ratio - pattern.front_ratio);
       const Eigen::Vector2d at = mm_from_image * (triple.left + triple.ratio * triple.span - reading.view.origin);
       rows.emplace_back(1.0, at.x(), at.y());
@@ -343,7 +91,7 @@ class Identifier {
     return start;
   }
 
-  std::optional<WireMatch> fitted(const Reading& reading) const {
+  std::optional<WireMatch> fitted(const WireReading& reading) const {
     WireMatch match;
     match.spots.resize(view_.patterns.size());
     for (std::size_t k = 0; k < view_.patterns.size(); ++k) {
@@ -440,68 +188,16 @@ class Identifier {
 
   std::span<const BrightSpot> spots_;
   const WirePhantom& phantom_;
-  EndView view_;
+  WireEndView view_;
   Eigen::Matrix2d canonical_from_image_;
   std::optional<Eigen::Vector2d> pixel_mm_;
   const WireMatchOptions& options_;
   double width_mm_;
-  double brightest_ = 0.0;
   std::size_t needed_ = 0;
-  std::vector<Eigen::Vector2d> at_;           // canonical: wire 0 on the left, the first pattern at the top
-  std::vector<std::vector<Triple>> triples_;  // that may be each pattern
-  std::vector<Reading> readings_;
+  std::vector<Eigen::Vector2d> at_;  // canonical: wire 0 on the left, the first pattern at the top
 };
 
 }  // namespace
-
-void require_usable(const WirePhantom& phantom) {
-  const auto refuse = [&](const std::string& what) {
-    throw Error("wire phantom" + (phantom.name.empty() ? "" : " \"" + phantom.name + "\"") + ": " + what +
-                "; correct the phantom's description");
-  };
-  if (phantom.patterns.empty()) refuse("it has no N of three wires");
-  std::optional<Eigen::Vector3d> common;
-  for (std::size_t k = 0; k < phantom.patterns.size(); ++k) {
-    const NPattern& pattern = phantom.patterns[k];
-    const std::string name = "pattern " + std::to_string(k + 1);
-    for (const Wire& wire : pattern) {
-      if (!wire.front.allFinite() || !wire.back.allFinite()) refuse(name + " has an end that is not a finite number");
-      if ((wire.back - wire.front).norm() < kLeastSize_mm) refuse(name + " has a wire shorter than 1 mm");
-    }
-    for (const std::size_t outer : {std::size_t{0}, std::size_t{2}}) {
-      const Eigen::Vector3d along = (pattern[outer].back - pattern[outer].front).normalized();
-      if (!common) common = along;
-      if (common->cross(along).norm() > kParallel || common->dot(along) < 0.0) {
-        refuse("the outer wires of " + name + " do not run as those of the others, front to back");
-      }
-    }
-    const Eigen::Vector3d across = pattern[2].front - pattern[0].front;
-    if ((across - *common * common->dot(across)).norm() < kLeastSize_mm) refuse(name + " is narrower than 1 mm");
-    const Eigen::Vector3d middle = pattern[1].back - pattern[1].front;
-    if (std::abs(middle.dot(across)) < 0.01 * across.squaredNorm()) {
-      refuse("the middle wire of " + name + " does not run from one side to the other");
-    }
-  }
-  const EndView view = end_view(phantom);
-  for (std::size_t a = 0; a < view.patterns.size(); ++a) {
-    for (std::size_t b = a + 1; b < view.patterns.size(); ++b) {
-      if (std::abs(view.patterns[a].left.y() - view.patterns[b].left.y()) < kLeastSize_mm) {
-        refuse("patterns " + std::to_string(a + 1) + " and " + std::to_string(b + 1) + " are at the same depth");
-      }
-      if (view.patterns[a].left.y() > view.patterns[b].left.y()) {
-        refuse("patterns are not listed from the one nearest to the probe to the farthest");
-      }
-    }
-  }
-}
-
-double phantom_width_mm(const WirePhantom& phantom) {
-  double width = 0.0;
-  for (const EndView::Pattern& pattern : end_view(phantom).patterns) {
-    width += (pattern.right - pattern.left).norm() / static_cast<double>(phantom.patterns.size());
-  }
-  return width;
-}
 
 std::optional<WireMatch> identify_wires(std::span<const BrightSpot> spots, const WirePhantom& phantom,
                                         ImageOrientation orientation, const std::optional<Eigen::Vector2d>& pixel_mm,

@@ -11,7 +11,7 @@ from program import complaint_about_error, run_script, tree
 from recording_file import MetaImage
 
 COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
-            "surface", "reconstruct", "isosurface", "eqnsurf", "demo")
+            "surface", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "shape_based", "centroid_guided",
            "disc_guided", "disc_guided_curved"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
@@ -46,6 +46,9 @@ def wrong_command_lines(program, folder, tally):
     empty.mkdir()
     lines = (
         "", "measur", "--json", "info", "info a.mha b.mha", "info a.mha --verbose-please", "info --probe-frame",
+        "calibrate", "calibrate banana", "calibrate pivot", "calibrate pivot a.mha --max-rms-mm 0", "calibrate temporal",
+        "calibrate temporal --image a.mha --max-latency-s 11", "calibrate temporal --image a.mha --calibration c.json",
+        "register", "register landmarks --to b.csv", "register landmarks --from a.csv --to b.csv --tolerance-mm nan",
         "convert a.mha", "simulate --object sphere --pattern linear --frames 5",
         "simulate --object sphere --pattern linear --out s.mha", "simulate --pattern linear --frames 5 --out s.mha",
         "simulate --object banana --pattern linear --frames 5 --out s.mha",

@@ -173,3 +173,27 @@ def contours(good_text, frames):
     yield "a frame both outlined and without it", drawn({"frame": 2, "closed": True, "points": square},
                                                         {"frame": 2, "absent": True})
     yield "a point instead of a contour, of one number", drawn({"frame": 2, "point": [1]})
+
+
+GOOD_LANDMARKS = b"name,x,y,z\nA,0,0,0\nB,50,0,0\nC,0,70,0\nD,10,20,30\n"
+
+
+def landmarks():
+    """Damaged lists of landmarks: (what is wrong, bytes)."""
+    yield "empty", b""
+    yield "a heading only", b"name,x,y,z\n"
+    yield "comments only", b"# A,0,0,0\n"
+    yield "a recording", b"ObjectType = Image\nNDims = 3\n"
+    yield "bytes", bytes(range(256)) * 4
+    yield "zeros", bytes(1000)
+    for name, old, new in (("a word", b"50", b"fifty"), ("NaN", b"50", b"nan"), ("infinite", b"50", b"inf"),
+                           ("beyond all numbers", b"50", b"1e999"), ("far away", b"50", b"1e9"), ("hexadecimal", b"50", b"0x50"),
+                           ("a missing value", b"B,50,0,0", b"B,50,0"), ("an empty value", b"B,50,0,0", b"B,50,,0"),
+                           ("a value too many", b"B,50,0,0", b"B,50,0,0,0"), ("decimal commas", b"B,50,0,0", b"B,50,5,0,0,0,0"),
+                           ("a name twice", b"B,", b"A,"), ("a name missing", b"B,", b","), ("one without name", b"B,50", b"50"),
+                           ("a long name", b"B,", b"B" * 201 + b","), ("a control character", b"B,", b"\x07,"),
+                           ("cut short", b"D,10,20,30\n", b"D,10,20"), ("two landmarks", b"C,0,70,0\nD,10,20,30\n", b"")):
+        yield name, GOOD_LANDMARKS.replace(old, new)
+    yield "1001 landmarks", b"1,2,3\n" * 1001
+    yield "a line of 900 kB", b"A," + b"1" * 900_000 + b",2,3\n"
+    yield "more than 1 MB", b"#" * 1_000_001

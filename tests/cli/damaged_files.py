@@ -151,6 +151,22 @@ class Suite:
             self.must_refuse(f"a recording as {kind}", scan, lambda path: {"convert": ["convert", path, f"out.{kind}"]})
         self.must_refuse("a compressed mesh", cube, lambda path: {"convert": ["convert", "--compress", path, "out.ply"]})
 
+    def landmarks(self):
+        good = self.good / "landmarks.csv"
+        good.write_bytes(damaged_documents.GOOD_LANDMARKS)
+
+        def runs(path):
+            return {"from": ["register", "landmarks", "--from", path, "--to", good],
+                    "to": ["register", "landmarks", "--from", good, "--to", path]}
+
+        self.must_accept("landmarks", runs(good)["from"])
+        for name, content in damaged_documents.landmarks():
+            self.must_refuse(f"landmarks: {name}", {"damaged.csv": content}, runs)
+        self.must_refuse("landmarks: not there", {}, runs)
+        self.must_refuse("landmarks: a folder", {"damaged.csv": damaged_recordings.folder}, runs)
+        self.must_refuse("landmarks: a pipe", {"damaged.csv": damaged_recordings.pipe}, runs)
+        self.must_refuse("landmarks: 2 GB", {"damaged.csv": damaged_recordings.sparse(b"1,2,3", 2 << 30)}, runs)
+
     def without_permission(self):
         """Files that may not be read, as a user who is not root."""
         user = ordinary_user(self.program, self.folder)
@@ -179,6 +195,7 @@ def body(program, folder, tally, _root):
     suite.volumes()
     suite.calibrations()
     suite.contours()
+    suite.landmarks()
     suite.without_permission()
 
 

@@ -4,7 +4,7 @@
 import json
 import re
 
-from program import run_script
+from program import complaint_about_error, run_script
 
 PIXEL_TYPES = {"MET_UCHAR": "uint8", "int16": "int16"}
 PRISM_ML = 17.06  # what planimetry must make of the prism with PLUS's calibration; the drawing says 16.86
@@ -78,6 +78,16 @@ def body(program, folder, tally, root):
         volume = prism["volume_ml"][method]
         tally.check(f"the prism by {method}", abs(volume - PRISM_ML) > 0.02 and f"{volume} ml")
         print(f"prism, {method}: {volume:.4f} ml")
+
+    # Scans of wires, a pointer lying beside them: neither tells a tip or a latency.
+    for kind, recording, words in (
+            ("pivot", [data / "fCal_Test_Calibration_3NWires_fCal2.0.igs.mha"], "hardly turned"),
+            ("pivot", [data / "NwirePhantomFreehand.igs.mha"], "0 valid poses"),
+            ("temporal", ["--image", data / "fCal_Test_Validation_3NWires_fCal2.0.igs.mha"], "shows a wall"),
+            ("temporal", ["--image", data / "SpinePhantomFreehand.igs.mha"], "does not move")):
+        outcome = program.run("calibrate", kind, *recording, cwd=folder)
+        tally.check(f"calibrate {kind} refuses {recording[-1].name}",
+                    complaint_about_error(outcome) or (words not in outcome.err and outcome.err))
 
     # What was recorded elsewhere survives the way through every format.
     original = data / "SpinePhantomFreehand.igs.mha"

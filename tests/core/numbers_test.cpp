@@ -47,5 +47,13 @@ TEST(FormatReal, ReadsBackAsTheSameNumber) {
             std::numeric_limits<double>::denorm_min());
 }
 
+TEST(FormatRounded, NeverShowsMinusZero) {
+  EXPECT_EQ(format_rounded(-0.3, 2), "-0.30");
+  EXPECT_EQ(format_rounded(-0.001, 2), "0.00");
+  EXPECT_EQ(format_rounded(12.5678, 1), "12.6");
+  EXPECT_EQ(format_rounded(-7.6, 0), "-8");
+  EXPECT_EQ(format_rounded(1e300, 0).size(), 301u);
+}
+
 }  // namespace
 }  // namespace fathom

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace fathom {
+
+/// The middle value, the higher of two; 0 of nothing.
+double median(std::vector<double> values);
+
+/// How many neighbouring errors count as one: 1 where they are independent, else 1 + 2 (r_1 + r_2 + ...) with their
+/// autocorrelations r_k, up to the first that may be chance. A row of `errors` is one moment, in order of time;
+/// variances worked out for independent errors are to be multiplied by it. Errors have mean 0.
+double correlated_neighbours(const Eigen::MatrixXd& errors);
+
+}  // namespace fathom
