@@ -8,9 +8,14 @@
 #include <tuple>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 namespace fathom {
 
 namespace {
+
+// Of the polygon's extent: the rounding of a corner's place.
+constexpr double kFlat = 1e-12;
 
 bool in_triangle(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                  const Eigen::Vector2d& c) {
@@ -78,6 +83,9 @@ class EarClipper {
       corners_[i].before = (i + n - 1) % n;
       corners_[i].next = (i + 1) % n;
     }
+    Eigen::AlignedBox2d box;
+    for (const FlatCorner& corner : polygon) box.extend(corner.at);
+    flat_ = kFlat * box.diagonal().norm();
     for (std::size_t i = 0; i < n; ++i) {
       consider(i);
       if (corners_[i].bend <= 0.0) reflex_.push_back(i);
@@ -134,9 +142,17 @@ class EarClipper {
 
   const Eigen::Vector2d& at(std::size_t i) const { return polygon_[i].at; }
 
-  // Area over squared edges: largest where equilateral.
+  // A spike without width, or the same place twice: may go, whatever lies around.
+  bool is_spike(std::size_t i) const {
+    const Eigen::Vector2d back = at(corners_[i].before) - at(i);
+    const Eigen::Vector2d on = at(corners_[i].next) - at(i);
+    return back.dot(on) >= 0.0 && std::abs(corners_[i].bend) <= flat_ * std::max(back.norm(), on.norm());
+  }
+
+  // Area over squared edges: largest where equilateral. Spikes come first.
   double quality(std::size_t i) const {
     const Corner& corner = corners_[i];
+    if (is_spike(i)) return std::numeric_limits<double>::infinity();
     const double edges = (at(i) - at(corner.before)).squaredNorm() + (at(corner.next) - at(i)).squaredNorm() +
                          (at(corner.next) - at(corner.before)).squaredNorm();
     return edges > 0.0 ? corner.bend / edges : 0.0;
@@ -150,7 +166,9 @@ class EarClipper {
 
   bool is_ear(std::size_t i) {
     const Corner& corner = corners_[i];
-    if (corner.bend <= 0.0 || polygon_[corner.before].vertex == polygon_[corner.next].vertex) return false;
+    if (polygon_[corner.before].vertex == polygon_[corner.next].vertex) return false;
+    if (is_spike(i)) return true;
+    if (corner.bend <= 0.0) return false;
     const Eigen::Vector2d& a = at(corner.before);
     const Eigen::Vector2d& b = at(i);
     const Eigen::Vector2d& c = at(corner.next);
@@ -161,9 +179,20 @@ class EarClipper {
     return std::none_of(reflex_.begin(), reflex_.end(), [&](std::size_t k) {
       const Eigen::Vector2d& p = at(k);
       if (p.x() < low.x() || p.x() > high.x() || p.y() < low.y() || p.y() > high.y()) return false;
-      if (p == a || p == b || p == c) return false;
+      if (p == a) return leads_between(k, a, b, c);
+      if (p == b) return leads_between(k, b, c, a);
+      if (p == c) return leads_between(k, c, a, b);
       return in_triangle(p, a, b, c);
     });
+  }
+
+  // Whether the polygon, which comes to the corner at `tip` once more, runs on into the angle from `right` to `left`.
+  bool leads_between(std::size_t k, const Eigen::Vector2d& tip, const Eigen::Vector2d& right,
+                     const Eigen::Vector2d& left) const {
+    const auto is_between = [&](std::size_t other) {
+      return turn(tip, right, at(other)) > 0.0 && turn(tip, left, at(other)) < 0.0;
+    };
+    return is_between(corners_[k].before) || is_between(corners_[k].next);
   }
 
   std::size_t least_bad() const {
@@ -192,6 +221,7 @@ class EarClipper {
   }
 
   const FlatPolygon& polygon_;
+  double flat_ = 0.0;  // mm
   std::vector<Corner> corners_;
   std::vector<std::size_t> reflex_;
   std::vector<std::size_t> blocked_;

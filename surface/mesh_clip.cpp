@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -13,6 +11,7 @@
 #include "surface/convex_clip.h"
 #include "surface/fill_rings.h"
 #include "surface/mesh_check.h"
+#include "surface/plane_sides.h"
 
 namespace fathom {
 
@@ -20,65 +19,14 @@ namespace {
 
 using Plane = Eigen::Hyperplane<double, 3>;
 
-// Of the largest coordinate: the rounding of a distance from a plane.
-constexpr double kTouching = 16 * std::numeric_limits<double>::epsilon();
-
 // Whether an edge that starts on the plane is cut in this vertex itself, which can pinch the surface, or in a new one
 // at the same place, which gives triangles without area.
 enum class Touch { kMerged, kApart };
 
-// Where the vertices of a mesh lie. What touches the plane is positive where it hangs together with what is.
-struct Sides {
-  std::vector<double> distances;
-  std::vector<char> positive;
-  bool any_touching = false;
-};
-
-void settle_touching(const Mesh& mesh, Sides& sides) {
-  std::vector<std::size_t> at_plane;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const bool touches = std::any_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::int32_t v) {
-      return sides.distances[static_cast<std::size_t>(v)] == 0.0;
-    });
-    if (touches) at_plane.push_back(t);
-  }
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const std::size_t t : at_plane) {
-      const auto is_positive = [&](std::int32_t v) { return sides.positive[static_cast<std::size_t>(v)] != 0; };
-      if (std::none_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), is_positive)) continue;
-      for (const std::int32_t v : mesh.triangles[t]) {
-        if (is_positive(v) || sides.distances[static_cast<std::size_t>(v)] != 0.0) continue;
-        sides.positive[static_cast<std::size_t>(v)] = 1;
-        changed = true;
-      }
-    }
-  }
-}
-
-Sides sides_of(const Mesh& mesh, const Plane& plane) {
-  Sides sides;
-  double reach = std::abs(plane.offset());
-  for (const Eigen::Vector3d& vertex : mesh.vertices) reach = std::max(reach, vertex.lpNorm<Eigen::Infinity>());
-  sides.distances.reserve(mesh.vertices.size());
-  sides.positive.reserve(mesh.vertices.size());
-  for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    double distance = plane.signedDistance(vertex);
-    if (std::abs(distance) <= kTouching * reach) {
-      distance = 0.0;
-      sides.any_touching = true;
-    }
-    sides.distances.push_back(distance);
-    sides.positive.push_back(distance > 0.0 ? 1 : 0);
-  }
-  if (sides.any_touching) settle_touching(mesh, sides);
-  return sides;
-}
-
 // Cuts a mesh by one plane. Triangles are walked in the direction in which they count: one with sweep sign -1 reversed.
 class PlaneCut {
  public:
-  PlaneCut(const ClippedMesh& whole, const Plane& plane, const Sides& sides, Touch touch)
+  PlaneCut(const ClippedMesh& whole, const Plane& plane, const PlaneSides& sides, Touch touch)
       : whole_(whole.mesh),
         plane_(plane),
         sides_(sides),
@@ -184,15 +132,15 @@ class PlaneCut {
   std::int32_t cut_vertex(std::int32_t above, std::int32_t below) {
     const auto p = static_cast<std::size_t>(above);
     const auto n = static_cast<std::size_t>(below);
-    if (touch_ == Touch::kMerged && sides_.distances[p] == 0.0) {
+    if (touch_ == Touch::kMerged && sides_.distances_mm[p] == 0.0) {
       merged_ = true;
       return above;
     }
     const auto [found, is_new] =
         cuts_.try_emplace(std::uint64_t{p} << 32 | std::uint64_t{n}, static_cast<std::int32_t>(vertices_.size()));
     if (!is_new) return found->second;
-    const double above_mm = sides_.distances[p];
-    const double below_mm = sides_.distances[n];
+    const double above_mm = sides_.distances_mm[p];
+    const double below_mm = sides_.distances_mm[n];
     vertices_.push_back(plane_crossing(whole_.vertices[p], above_mm, whole_.vertices[n], below_mm));
     if (!normals_.empty()) {
       const Eigen::Vector3d between = plane_crossing(whole_.normals[p], above_mm, whole_.normals[n], below_mm);
@@ -229,7 +177,7 @@ class PlaneCut {
 
   const Mesh& whole_;
   const Plane& plane_;
-  const Sides& sides_;
+  const PlaneSides& sides_;
   Touch touch_;
   std::vector<Eigen::Vector3d> vertices_;  // of the whole, then new ones
   std::vector<Eigen::Vector3d> normals_;
@@ -270,7 +218,7 @@ bool is_sound(const ClippedMesh& part, Caps caps) {
 
 // `keep_negative`: the negative part is wanted as well.
 SplitMesh split(ClippedMesh whole, const Plane& plane, int index, Caps caps, bool keep_negative) {
-  const Sides sides = sides_of(whole.mesh, plane);
+  const PlaneSides sides = plane_sides(whole.mesh, plane);
   const auto is_positive = [](char side) { return side != 0; };
   if (std::all_of(sides.positive.begin(), sides.positive.end(), is_positive)) return {std::move(whole), {}};
   if (std::none_of(sides.positive.begin(), sides.positive.end(), is_positive)) return {{}, std::move(whole)};

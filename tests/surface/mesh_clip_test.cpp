@@ -34,7 +34,7 @@ Plane random_plane(Random& random, const Mesh& mesh) {
 }
 
 Mesh bumpy(Random& random) {
-  Mesh mesh = shapes::icosphere(10.0, 3);
+  Mesh mesh = shapes::icosphere(10.0, 2);
   const Eigen::Vector3d wave(random.normal(), random.normal(), random.normal());
   for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= 1.0 + 0.4 * std::sin(0.8 * wave.dot(vertex));
   return mesh;
@@ -50,7 +50,7 @@ Mesh random_mesh(int round, Random& random) {
       mesh = bumpy(random);
       break;
     case 2:
-      mesh = shapes::torus(10.0, random.uniform(1.0, 8.0), 30, 12);
+      mesh = shapes::torus(10.0, random.uniform(1.0, 8.0), 20, 9);
       break;
     default: {
       auto stack = fields::random_stack(round / 4, Lattice::kBodyCentred, static_cast<std::uint64_t>(round));
@@ -118,7 +118,9 @@ void check_parts(int count) {
     if (testing::Test::HasFatalFailure()) return;
     const double whole = volume_mm3(mesh);
     worst = std::max(worst, std::abs(sums.volume - whole) / std::max(std::abs(whole), sums.size));
-    overlaps += sums.overlaps;
+    // Noise gives surfaces that cut themselves.
+    const bool is_noise = round % 4 == 3 && round / 4 % fields::kRandomKinds != 0;
+    if (!is_noise) overlaps += sums.overlaps;
 
     // One cell at once is the same as one after another.
     const ClippedMesh cell = clip_mesh(mesh, planes);
