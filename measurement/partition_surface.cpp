@@ -11,6 +11,8 @@
 
 #include "core/error.h"
 #include "core/numbers.h"
+#include "measurement/cross_section.h"
+#include "measurement/short_ends.h"
 #include "registration/convex_parts.h"
 #include "surface/mesh_measure.h"
 
@@ -147,11 +149,10 @@ std::string mismatch_warning(const PlaneMatch& match) {
 }
 
 // Makes the surfaces of all sweeps that have outlines and are used somewhere; nothing for others.
-std::vector<std::optional<ContourSurface>> sweep_surfaces(const Structure& structure, const FrameLocator& locator,
-                                                          std::span<const Sweep> sweeps, const std::vector<bool>& used,
-                                                          const ContourSurfaceOptions& options,
-                                                          const Progress& progress,
-                                                          std::vector<std::string>& warnings) {
+std::vector<std::optional<ContourSurface>> sweep_surfaces(
+    const Structure& structure, const FrameLocator& locator, std::span<const Sweep> sweeps,
+    const SpacePartition& partition, const std::vector<bool>& used, const ContourSurfaceOptions& options,
+    const Progress& progress, std::vector<std::string>& warnings) {
   std::vector<std::optional<ContourSurface>> surfaces(sweeps.size());
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     const Structure marked = marked_in(structure, sweeps[i]);
@@ -166,6 +167,9 @@ std::vector<std::optional<ContourSurface>> sweep_surfaces(const Structure& struc
     surfaces[i]->update(marked, part_of(progress, done, done + 1.0 / count));
     for (const std::string& warning : surfaces[i]->warnings())
       warnings.push_back(numbered("sweep", i) + ": " + warning);
+    for (const ShortEnd& end : short_ends(cross_sections(marked, locator, nullptr), i, partition)) {
+      warnings.push_back(warning_of(end, i));
+    }
   }
   return surfaces;
 }
@@ -206,8 +210,8 @@ PartitionedSurface partition_surface(const Structure& structure, const FrameLoca
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     check_closing_lines(structure, locator, sweeps[i], i, partition, result.warnings);
   }
-  const auto surfaces =
-      sweep_surfaces(structure, locator, sweeps, used, options, part_of(progress, 0.0, 0.9), result.warnings);
+  const auto surfaces = sweep_surfaces(structure, locator, sweeps, partition, used, options,
+                                       part_of(progress, 0.0, 0.9), result.warnings);
 
   std::vector<FilledPart> filled;
   std::vector<bool> outlined(sweeps.size(), false);
