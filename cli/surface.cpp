@@ -2,15 +2,18 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "acquisition/recording.h"
 #include "cli/command.h"
+#include "cli/division.h"
 #include "cli/mesh_output.h"
 #include "cli/options.h"
 #include "cli/output.h"
 #include "core/atomic_file.h"
 #include "measurement/contour_surface.h"
+#include "measurement/partition_surface.h"
 #include "segmentation/outline_topology.h"
 #include "surface/mesh_file.h"
 
@@ -24,6 +27,8 @@ struct SurfaceCommand {
   std::string contours;
   std::string out;
   std::string structure;
+  std::string planes;
+  bool open = false;
   ContourSurfaceOptions surface;
   FrameNames names;
   bool json = false;
@@ -74,31 +79,101 @@ std::vector<std::filesystem::path> files_for(const SurfaceCommand& command, cons
   return files;
 }
 
-MeshReport make_surface(const SurfaceCommand& command, const Structure& structure, const FrameLocator& locator,
-                        AtomicFile& file, const Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
-  ContourSurface surface(locator, command.surface);
-  const Mesh& mesh = surface.update(structure, part_of(progress, 0.0, 0.9));
+// What was made of one structure.
+struct Made {
+  MeshReport mesh;
+  std::optional<PartitionedSurface> parts;  // over several sweeps
+};
+
+void write(const Mesh& mesh, const Structure& structure, AtomicFile& file, const Progress& progress) {
   MeshWriteOptions options;
   const unsigned long rgb = std::stoul(structure.color.substr(1), nullptr, 16);
   options.color = {static_cast<std::uint8_t>(rgb >> 16), static_cast<std::uint8_t>(rgb >> 8 & 0xff),
                    static_cast<std::uint8_t>(rgb & 0xff)};
-  write_mesh(mesh, file, options, part_of(progress, 0.9, 1.0));
-  MeshReport report = report_of(mesh, "a surface through contours is always closed: please report this");
-  // Planimetry refuses sweeps in which a volume has no meaning.
-  report.volume_ml = surface.volume_ml();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  report.warnings.insert(report.warnings.begin(), surface.warnings().begin(), surface.warnings().end());
-  if (!report.volume_ml) {
-    report.warnings.push_back("the sweep has no volume; `fathom measure` says why");
-  }
+  write_mesh(mesh, file, options, progress);
+}
+
+void add_warnings(const std::vector<std::string>& of_surface, const Mesh& mesh, const AtomicFile& file,
+                  MeshReport& report) {
+  report.warnings.insert(report.warnings.begin(), of_surface.begin(), of_surface.end());
   if (!mesh.sweep_signs.empty() && !keeps_sweep_signs(file.target())) {
     report.warnings.push_back(
         "regions that the sweep passed backward are marked in .ply files only; a program that "
         "reads " +
         file.target().filename().string() + " would measure too much");
   }
-  return report;
+}
+
+Made make_surface(const SurfaceCommand& command, const Structure& structure, const FrameLocator& locator,
+                  AtomicFile& file, const Progress& progress) {
+  ContourSurface surface(locator, command.surface);
+  const Mesh& mesh = surface.update(structure, part_of(progress, 0.0, 0.9));
+  write(mesh, structure, file, part_of(progress, 0.9, 1.0));
+  MeshReport report = report_of(mesh, "a surface through contours is always closed: please report this");
+  // Planimetry refuses sweeps in which a volume has no meaning.
+  report.volume_ml = surface.volume_ml();
+  add_warnings(surface.warnings(), mesh, file, report);
+  if (!report.volume_ml) {
+    report.warnings.push_back("the sweep has no volume; `fathom measure` says why");
+  }
+  return {std::move(report), {}};
+}
+
+Made make_parts(const SurfaceCommand& command, const Structure& structure, const FrameLocator& locator,
+                const Division& division, AtomicFile& file, const Progress& progress) {
+  const Caps caps = command.open ? Caps::kOpen : Caps::kClosed;
+  PartitionedSurface surface = partition_surface(structure, locator, division.sweeps, division.partition,
+                                                 command.surface, caps, part_of(progress, 0.0, 0.9));
+  const Mesh mesh = surface.mesh();
+  write(mesh, structure, file, part_of(progress, 0.9, 1.0));
+  MeshReport report = report_of(mesh, "leave out --open");
+  if (command.open) report.warnings.clear();  // as was asked for
+  report.volume_ml = surface.volume_ml;
+  add_warnings(surface.warnings, mesh, file, report);
+  return {std::move(report), std::move(surface)};
+}
+
+nlohmann::ordered_json parts_json(const PartitionedSurface& surface) {
+  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+  for (const PartSurface& part : surface.parts) {
+    nlohmann::ordered_json item = {{"sweep", part.sweep},
+                                   {"region", part.region},
+                                   {"planes", part.planes},
+                                   {"triangles", part.surface.mesh.triangles.size()}};
+    item["volume_ml"] = part.volume_ml ? nlohmann::ordered_json(*part.volume_ml) : nlohmann::ordered_json();
+    if (!part.volume_ml) item["no_volume"] = part.no_volume;
+    parts.push_back(std::move(item));
+  }
+  nlohmann::ordered_json cuts = nlohmann::ordered_json::array();
+  for (const PlaneMatch& match : surface.planes) {
+    cuts.push_back({{"plane", match.plane},
+                    {"above_mm2", match.above_mm2},
+                    {"below_mm2", match.below_mm2},
+                    {"mismatch_mm2", match.mismatch_mm2}});
+  }
+  return {{"partitions", std::move(parts)}, {"cuts", std::move(cuts)}};
+}
+
+void print_parts(const PartitionedSurface& surface) {
+  std::vector<std::vector<std::string>> rows{{"sweep", "planes", "triangles", "volume (ml)"}};
+  for (const PartSurface& part : surface.parts) {
+    std::string planes;
+    for (const std::size_t plane : part.planes) planes += (planes.empty() ? "" : ",") + std::to_string(plane + 1);
+    rows.push_back({std::to_string(part.sweep + 1), planes.empty() ? "-" : planes,
+                    std::to_string(part.surface.mesh.triangles.size()), number_text(part.volume_ml, 4)});
+  }
+  print_table(rows);
+  for (const PartSurface& part : surface.parts) {
+    if (!part.volume_ml) std::cout << "no volume in sweep " << part.sweep + 1 << ": " << part.no_volume << "\n";
+  }
+}
+
+// Open contours are closed where planes say that another sweep is used at their ends.
+std::vector<Structure> closed(std::vector<Structure> structures) {
+  for (Structure& structure : structures) {
+    for (Contour& contour : structure.contours) contour.closed = true;
+  }
+  return structures;
 }
 
 void run(const SurfaceCommand& command) {
@@ -107,22 +182,28 @@ void run(const SurfaceCommand& command) {
   const auto recording = open_recording(command.recording);
   const Calibration calibration = read_calibration(command.calibration, command.names.probe);
   const std::vector<Structure> structures = chosen_structures(command);
-  require_measurable(structures, recording->header().frame_count(), command.contours);
-  require_simple_outlines(structures, command.contours);
+  const std::vector<Structure> outlined = command.planes.empty() ? structures : closed(structures);
+  require_measurable(outlined, recording->header().frame_count(), command.contours);
+  require_simple_outlines(outlined, command.contours);
   const FrameLocator locator(*recording, calibration, command.names);
+  std::optional<Division> division;
+  if (!command.planes.empty()) division = read_division(command.planes, *recording, locator);
   const std::vector<std::filesystem::path> paths = files_for(command, structures);
 
   const Progress progress = progress_bar("making the surface");
   std::vector<std::unique_ptr<AtomicFile>> files;
   std::vector<AtomicFile*> to_commit;
-  std::vector<MeshReport> reports;
+  std::vector<Made> made;
   for (std::size_t i = 0; i < structures.size(); ++i) {
     const double step = 1.0 / static_cast<double>(structures.size());
     const double done = step * static_cast<double>(i);
     files.push_back(std::make_unique<AtomicFile>(paths[i]));
     to_commit.push_back(files.back().get());
-    reports.push_back(
-        make_surface(command, structures[i], locator, *files.back(), part_of(progress, done, done + step)));
+    const Progress here = part_of(progress, done, done + step);
+    const auto start = std::chrono::steady_clock::now();
+    made.push_back(division ? make_parts(command, structures[i], locator, *division, *files.back(), here)
+                            : make_surface(command, structures[i], locator, *files.back(), here));
+    made.back().mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   AtomicFile::commit_all(to_commit);
   report(progress, 1.0);
@@ -130,14 +211,16 @@ void run(const SurfaceCommand& command) {
   if (!command.json) {
     for (std::size_t i = 0; i < structures.size(); ++i) {
       if (structures.size() > 1) std::cout << (i > 0 ? "\n" : "") << structures[i].name << "\n";
-      print_mesh_report(reports[i], paths[i].string(), false);
+      if (made[i].parts) print_parts(*made[i].parts);
+      print_mesh_report(made[i].mesh, paths[i].string(), false);
     }
     return;
   }
   std::vector<nlohmann::ordered_json> items;
   for (std::size_t i = 0; i < structures.size(); ++i) {
     nlohmann::ordered_json item = {{"name", structures[i].name}, {"out", paths[i].string()}};
-    item.update(mesh_report_json(reports[i]));
+    item.update(mesh_report_json(made[i].mesh));
+    if (made[i].parts) item.update(parts_json(*made[i].parts));
     items.push_back(std::move(item));
   }
   print_json(items.size() == 1 ? items.front() : nlohmann::ordered_json{{"structures", items}});
@@ -158,6 +241,10 @@ void add_surface(CLI::App& app) {
           "extension")
       ->required();
   command->add_option("--structure", options->structure, "Only this structure");
+  CLI::Option* planes = command->add_option(
+      "--planes", options->planes, "What `fathom planes` wrote: each part of space is taken from its own sweep");
+  command->add_flag("--open", options->open, "With --planes: leave the parts open where planes cut them")
+      ->needs(planes);
   command
       ->add_option("--method", options->surface.guide,
                    "What guides the interpolation between outlines: disc, shape or centroid")

@@ -10,11 +10,6 @@ namespace {
 
 using Plane = Eigen::Hyperplane<double, 3>;
 
-// Computed the same way from either end, so that neighbouring parts share the point exactly.
-Eigen::Vector3d crossing(const Eigen::Vector3d& positive, double above, const Eigen::Vector3d& negative, double below) {
-  return (positive * -below + negative * above) / (above - below);
-}
-
 // The convex polygon through points of a plane, in order of their angle about their middle.
 Polygon3 ordered_about_middle(Polygon3 points, const Eigen::Vector3d& normal) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -51,11 +46,11 @@ SplitPolygon split_polygon(const Polygon3& polygon, const Plane& plane) {
   for (const Eigen::Vector3d& point : polygon) {
     const double distance = plane.signedDistance(point);
     if (before_distance > 0.0 && distance < 0.0) {
-      const Eigen::Vector3d cut = crossing(*before, before_distance, point, distance);
+      const Eigen::Vector3d cut = plane_crossing(*before, before_distance, point, distance);
       parts.positive.push_back(cut);
       parts.negative.push_back(cut);
     } else if (before_distance < 0.0 && distance > 0.0) {
-      const Eigen::Vector3d cut = crossing(point, distance, *before, before_distance);
+      const Eigen::Vector3d cut = plane_crossing(point, distance, *before, before_distance);
       parts.positive.push_back(cut);
       parts.negative.push_back(cut);
     }
@@ -87,8 +82,8 @@ std::vector<Polygon3> clip_line(const Polygon3& line, const std::vector<Plane>& 
       for (std::size_t i = 0; i < piece.size(); ++i) {
         const double distance = plane.signedDistance(piece[i]);
         const double before = i == 0 ? distance : plane.signedDistance(piece[i - 1]);
-        if (before < 0.0 && distance > 0.0) part.push_back(crossing(piece[i], distance, piece[i - 1], before));
-        if (before > 0.0 && distance < 0.0) part.push_back(crossing(piece[i - 1], before, piece[i], distance));
+        if (before < 0.0 && distance > 0.0) part.push_back(plane_crossing(piece[i], distance, piece[i - 1], before));
+        if (before > 0.0 && distance < 0.0) part.push_back(plane_crossing(piece[i - 1], before, piece[i], distance));
         if (distance >= 0.0) part.push_back(piece[i]);
         if (distance >= 0.0) continue;
         if (part.size() > 1) clipped.push_back(std::move(part));

@@ -16,6 +16,13 @@ using Polygon3 = std::vector<Eigen::Vector3d>;
 /// any shape.
 Eigen::Vector3d vector_area(const Polygon3& polygon);
 
+/// Where a plane meets the edge between a point `above` mm on its positive side and one `below` mm, negative, on the
+/// other. The same for both who share the edge, so that neighbouring parts have the point exactly in common.
+inline Eigen::Vector3d plane_crossing(const Eigen::Vector3d& positive, double above, const Eigen::Vector3d& negative,
+                                      double below) {
+  return (positive * -below + negative * above) / (above - below);
+}
+
 /// The two parts of a closed polygon. A polygon that is not convex may come back as one part joined along the plane, to
 /// and fro, which has the right area and centroid. A point on the plane belongs to both parts; a part without points
 /// off the plane is empty.

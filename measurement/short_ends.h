@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "measurement/cross_section.h"
+#include "registration/partition.h"
+
+namespace fathom {
+
+/// Where the outlines of a sweep end while the structure is still large, short of the dividing plane that they run up
+/// to, so that what lies between is lost.
+struct ShortEnd {
+  int frame = 0;
+  std::size_t plane = 0;
+  double gap_mm = 0.0;      ///< along the section's normal
+  double missing_ml = 0.0;  ///< the section carried on to the plane
+};
+
+/// `sections` are those of sweep `sweep`, in their order: its first and last are looked at.
+std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std::size_t sweep,
+                                 const SpacePartition& partition);
+
+std::string warning_of(const ShortEnd& end, std::size_t sweep);
+
+}  // namespace fathom
