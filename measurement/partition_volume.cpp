@@ -1,219 +1,211 @@
 #include "measurement/partition_volume.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
-#include "measurement/frame_marks.h"
-#include "segmentation/outline_topology.h"
+#include "measurement/partition_loss.h"
+#include "segmentation/frame_list.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr double kMm3PerMl = 1000.0;
-constexpr double kSmallestShare = 1e-9;  // of a section's area: less comes from rounding
 constexpr double kWorthSaying_ml = 0.005;
-constexpr double kParallel = 1e-3;  // cosine: a section that stands on the plane never reaches it
+constexpr double kNegligible = 0.01;  // of the sum: a corner of space with one section does not cost the volume
+constexpr int kLookAlong = 64;        // places along the line that closes an open outline
 
-double signed_area_px(const Polygon& polygon) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d a = polygon[i] - polygon[0];
-    const Eigen::Vector2d b = polygon[(i + 1) % polygon.size()] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * twice;
-}
+constexpr std::array<std::optional<double> PlanimetryVolumes::*, 3> kMethods{
+    &PlanimetryVolumes::linear_ml, &PlanimetryVolumes::cubic_ml, &PlanimetryVolumes::cubic_3d_ml};
 
-// Area along the normal, and the moment about `origin`.
-struct Moments {
-  double area = 0.0;
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();
-};
+std::string sweep_name(std::size_t sweep) { return "sweep " + std::to_string(sweep + 1); }
 
-void add_moments(const Polygon3& polygon, const Eigen::Vector3d& origin, const Eigen::Vector3d& normal, Moments& sum) {
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    const Eigen::Vector3d a = polygon[0] - origin;
-    const Eigen::Vector3d b = polygon[i - 1] - origin;
-    const Eigen::Vector3d c = polygon[i] - origin;
-    const double area = 0.5 * (b - a).cross(c - a).dot(normal);
-    sum.area += area;
-    sum.first += area / 3.0 * (a + b + c);
-  }
-}
-
-bool touches_region(const CrossSection& section, const SpacePartition& partition, std::size_t region) {
-  const std::uint32_t sides = partition.sides_at(section.centroid_mm);
-  return std::any_of(partition.cells().begin(), partition.cells().end(),
-                     [&](const auto& cell) { return cell.sides == sides && cell.region == region; });
-}
-
-CrossSection clip_section(const SectionOutline& section, const SpacePartition& partition, std::size_t region) {
-  CrossSection part = section.whole;
-  if (section.outlines.empty()) return part;  // an extremity: `touches_region` decides
-  const Eigen::Vector3d origin = section.whole.centroid_mm;
-  Moments sum;
-  for (const SpacePartition::Cell& cell : partition.cells()) {
-    if (cell.region != region) continue;
-    const std::vector<DividingPlane> bounds = partition.bounds(cell);
-    for (const Polygon3& outline : section.outlines) {
-      add_moments(clip_polygon(outline, bounds), origin, section.whole.normal, sum);
-    }
-  }
-  if (!(sum.area > kSmallestShare * section.whole.vector_area_mm2.norm())) {
-    part.vector_area_mm2.setZero();
-    return part;
-  }
-  part.vector_area_mm2 = sum.area * section.whole.normal;
-  part.centroid_mm = origin + sum.first / sum.area;
-  return part;
-}
-
-// One for every section; of zero area where nothing of it is in the region.
-std::vector<CrossSection> clip_each(std::span<const SectionOutline> sections, const SpacePartition& partition,
-                                    std::size_t region) {
-  std::vector<CrossSection> clipped;
-  for (const SectionOutline& section : sections) clipped.push_back(clip_section(section, partition, region));
-  return clipped;
-}
-
-// Those of `clipped` that are in the region, extremities included.
-std::vector<CrossSection> present(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
-                                  const SpacePartition& partition, std::size_t region) {
-  std::vector<CrossSection> inside;
-  for (std::size_t i = 0; i < clipped.size(); ++i) {
-    const bool is_extremity = sections[i].outlines.empty();
-    if (is_extremity ? touches_region(clipped[i], partition, region) : clipped[i].vector_area_mm2.norm() > 0.0) {
-      inside.push_back(clipped[i]);
-    }
-  }
-  return inside;
-}
-
-// How far a section lies from where a line through its centroid, along the way to `next`, leaves the region.
-double way_to_end_mm(const CrossSection& end, const CrossSection& next, const SpacePartition& partition,
-                     std::size_t region) {
-  Eigen::Vector3d way = end.normal;
-  if (way.dot(next.centroid_mm - end.centroid_mm) < 0.0) way = -way;
-  const double farthest_mm = way.dot(next.centroid_mm - end.centroid_mm);
-  double reach_mm = 0.0;
-  for (const SpacePartition::Cell& cell : partition.cells()) {
-    if (cell.region != region) continue;
-    double leave_mm = farthest_mm;
-    for (const DividingPlane& plane : partition.bounds(cell)) {
-      const double slope = plane.normal().dot(way);
-      if (slope > -kParallel) continue;
-      leave_mm = std::min(leave_mm, plane.signedDistance(end.centroid_mm) / -slope);
-    }
-    reach_mm = std::max(reach_mm, leave_mm);
-  }
-  return reach_mm;
-}
-
-std::string loss_warning(const PartitionVolume& part) {
+std::string loss_in_words(const PartitionVolume& part) {
+  if (!(part.missing_ml > kWorthSaying_ml)) return {};
   char text[160];
   std::snprintf(text, sizeof text, "the sections of sweep %zu stop %.2g mm short of the plane: about %.2g ml missing",
                 part.sweep + 1, part.gap_mm, part.missing_ml);
   return text;
 }
 
-// Where the structure goes on beyond the last section that the region has, part of it lies between section and plane.
-void estimate_loss(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
-                   const SpacePartition& partition, PartitionVolume& part) {
-  const auto has_part = [](const CrossSection& section) { return section.vector_area_mm2.norm() > 0.0; };
-  for (std::size_t i = 0; i + 1 < clipped.size(); ++i) {
-    for (const auto& [end, next] : {std::pair(i, i + 1), std::pair(i + 1, i)}) {
-      if (!has_part(clipped[end]) || has_part(clipped[next]) || !has_part(sections[next].whole)) continue;
-      const double gap_mm = way_to_end_mm(clipped[end], sections[next].whole, partition, part.region);
-      part.gap_mm = std::max(part.gap_mm, gap_mm);
-      part.missing_ml += gap_mm * clipped[end].vector_area_mm2.norm() / kMm3PerMl;
-    }
-  }
+void add_warnings(std::vector<std::string> from, const std::string& before, std::vector<std::string>& to) {
+  for (const std::string& warning : from) to.push_back(before + warning);
 }
 
-void add_to(std::optional<double>& total, const std::optional<double>& volume) {
-  if (total) total = volume ? std::optional(*total + *volume) : std::nullopt;
+// What the user must know before anything is measured: outlines that no sweep has, or no part of space uses.
+void warn_of_unused(const Structure& structure, std::span<const Sweep> sweeps, std::vector<std::string>& warnings) {
+  std::vector<int> frames;
+  const auto look = [&](const auto& items) {
+    for (const auto& item : items) {
+      const bool used = std::any_of(sweeps.begin(), sweeps.end(), [&](const Sweep& sweep) {
+        return static_cast<int>(sweep.recording) == item.recording && contains(sweep, item.frame);
+      });
+      if (!used) frames.push_back(item.frame);
+    }
+  };
+  look(structure.contours);
+  look(structure.extremities);
+  if (!frames.empty()) warnings.push_back(frame_list(std::move(frames)) + " lie in no sweep: not used");
+}
+
+// Outlines that are open although their ends do not both lie where another sweep is used.
+void warn_of_closed(const Structure& structure, const FrameLocator& locator, const Sweep& sweep, std::size_t number,
+                    const SpacePartition& partition, std::vector<std::string>& warnings) {
+  std::vector<int> frames;
+  for (const Contour& contour : structure.contours) {
+    if (contour.closed || contour.recording != static_cast<int>(sweep.recording)) continue;
+    if (!contains(sweep, contour.frame) || contour.frame >= locator.frame_count()) continue;
+    const auto map = locator.reference_from_image(contour.frame);
+    if (!map) continue;
+    // The line between the ends must be out of sight as well.
+    const Eigen::Vector2d from = contour.points_px.back();
+    const Eigen::Vector2d way = contour.points_px.front() - from;
+    bool unseen = true;
+    for (int i = 0; i <= kLookAlong && unseen; ++i) {
+      unseen = stays_open({from + way * i / kLookAlong}, *map, number, partition);
+    }
+    if (!unseen) frames.push_back(contour.frame);
+  }
+  if (frames.empty()) return;
+  const bool one = frames.size() == 1;
+  warnings.push_back(frame_list(std::move(frames)) + (one ? ": its open outline was" : ": their open outlines were") +
+                     " closed by a straight line, which this sweep is used for");
+}
+
+// The largest volume that another sweep shows in a region in which the sweep to use has no section.
+std::optional<PartitionVolume> unseen(const std::vector<std::vector<SectionOutline>>& sections,
+                                      const SpacePartition& partition, std::size_t region, std::size_t sweep) {
+  PartitionVolume part;
+  part.region = region;
+  part.sweep = sweep;
+  std::size_t other = 0;
+  for (std::size_t s = 0; s < sections.size(); ++s) {
+    if (s == sweep) continue;
+    const auto shown = measure_planimetry(clip_sections(sections[s], partition, region)).volumes.linear_ml;
+    if (!shown || *shown <= part.missing_ml) continue;
+    part.missing_ml = *shown;
+    other = s;
+  }
+  if (!(part.missing_ml > kWorthSaying_ml)) return std::nullopt;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "%s is to be used where it has no outline, while %s shows the structure there: about %.2g ml missing",
+                sweep_name(sweep).c_str(), sweep_name(other).c_str(), part.missing_ml);
+  part.loss = text;
+  return part;
+}
+
+// Sums over the parts. One without a volume leaves none, unless it is too small to matter.
+PlanimetryVolumes sum_of(const std::vector<PartitionVolume>& partitions) {
+  PlanimetryVolumes total;
+  for (const auto method : kMethods) {
+    double sum = 0.0;
+    double lacking = 0.0;
+    bool any = false;
+    bool known = true;
+    for (const PartitionVolume& part : partitions) {
+      const auto& volume = part.measurement.volumes.*method;
+      any = any || volume;
+      sum += volume.value_or(0.0);
+      if (volume) continue;
+      lacking += part.missing_ml;
+      known = known && part.measurement.sections < 2;  // a rotational sweep has no estimate
+    }
+    if (any && known && lacking <= kNegligible * sum) total.*method = sum;
+  }
+  return total;
+}
+
+std::vector<int> absent_frames(const Structure& structure, const Sweep& sweep) {
+  std::vector<int> frames;
+  for (const AbsentMark& mark : part_in_sweep(structure, sweep).absent) frames.push_back(mark.frame);
+  return frames;
+}
+
+const FrameLocator& locator_of(std::span<const FrameLocator> locators, const Sweep& sweep) {
+  if (sweep.recording < locators.size()) return locators[sweep.recording];
+  throw Error("a sweep is of recording " + std::to_string(sweep.recording) + ", which is not open; name its exam");
 }
 
 }  // namespace
 
-std::vector<SectionOutline> section_outlines(const Structure& structure, const FrameLocator& locator,
-                                             const Sweep& sweep) {
-  Structure here;
-  here.name = structure.name;
-  for (Contour contour : structure.contours) {
-    if (contour.recording != static_cast<int>(sweep.recording) || !contains(sweep, contour.frame)) continue;
-    contour.closed = true;
-    here.contours.push_back(std::move(contour));
-  }
-  for (const Extremity& extremity : structure.extremities) {
-    if (extremity.recording == static_cast<int>(sweep.recording) && contains(sweep, extremity.frame))
-      here.extremities.push_back(extremity);
-  }
-  std::vector<SectionOutline> sections;
-  const std::vector<CrossSection> wholes = cross_sections(here, locator, nullptr);
-  for (const FrameMarks& marks : frame_marks(here, locator)) {
-    const auto whole = std::find_if(wholes.begin(), wholes.end(),
-                                    [&](const CrossSection& section) { return section.frame == marks.frame; });
-    const auto reference_from_image = locator.reference_from_image(marks.frame);
-    if (whole == wholes.end() || !reference_from_image) continue;
-    SectionOutline section{*whole, {}};
-    const std::vector<Nesting> nested = nesting(marks.outlines);
-    for (std::size_t i = 0; i < marks.outlines.size(); ++i) {
-      if (nested[i] == Nesting::kCoincident) continue;
-      Polygon3 outline;
-      for (const Eigen::Vector2d& point : *marks.outlines[i]) {
-        outline.push_back(*reference_from_image * Eigen::Vector3d(point.x(), point.y(), 0.0));
-      }
-      const bool backward = signed_area_px(*marks.outlines[i]) < 0.0;
-      if (backward != (nested[i] == Nesting::kHole)) std::reverse(outline.begin(), outline.end());
-      section.outlines.push_back(std::move(outline));
-    }
-    sections.push_back(std::move(section));
-  }
-  return sections;
-}
-
-std::vector<CrossSection> clip_sections(std::span<const SectionOutline> sections, const SpacePartition& partition,
-                                        std::size_t region) {
-  return present(sections, clip_each(sections, partition, region), partition, region);
-}
-
-PartitionedVolume measure_partitions(const Structure& structure, const FrameLocator& locator,
+PartitionedVolume measure_partitions(const Structure& structure, std::span<const FrameLocator> locators,
                                      std::span<const Sweep> sweeps, const SpacePartition& partition) {
   if (sweeps.size() > 1 && partition.planes().empty()) {
-    throw Error(locator.recording_name() + ": has " + std::to_string(sweeps.size()) +
+    throw Error("there are " + std::to_string(sweeps.size()) +
                 " sweeps and no dividing planes, so that their volumes have no sum; add a plane, or measure one sweep");
   }
   PartitionedVolume result;
+  warn_of_unused(structure, sweeps, result.warnings);
   std::vector<std::vector<SectionOutline>> sections;
-  for (const Sweep& sweep : sweeps) sections.push_back(section_outlines(structure, locator, sweep));
-  result.total = {0.0, 0.0, 0.0};
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    const FrameLocator& locator = locator_of(locators, sweeps[s]);
+    std::vector<std::string> warnings;
+    sections.push_back(section_outlines(structure, locator, sweeps[s], &warnings));
+    warn_of_closed(structure, locator, sweeps[s], s, partition, warnings);
+    const bool used = std::any_of(partition.cells().begin(), partition.cells().end(),
+                                  [&](const SpacePartition::Cell& cell) { return cell.sweep == s; });
+    if (!used && !sections.back().empty()) {
+      warnings.push_back("the planes leave it no part of space: its outlines are not used");
+    }
+    add_warnings(std::move(warnings), sweep_name(s) + ": ", result.warnings);
+  }
   for (std::size_t region = 0; region < partition.region_count(); ++region) {
     const auto cell = std::find_if(partition.cells().begin(), partition.cells().end(),
                                    [&](const auto& candidate) { return candidate.region == region; });
     if (cell == partition.cells().end() || !cell->sweep || *cell->sweep >= sections.size()) continue;
-    const std::vector<CrossSection> clipped = clip_each(sections[*cell->sweep], partition, region);
-    const std::vector<CrossSection> inside = present(sections[*cell->sweep], clipped, partition, region);
-    if (inside.empty()) continue;
-    PartitionVolume part;
-    part.region = region;
-    part.sweep = *cell->sweep;
-    part.measurement = measure_planimetry(inside);
-    estimate_loss(sections[part.sweep], clipped, partition, part);
-    if (part.missing_ml > kWorthSaying_ml) result.warnings.push_back(loss_warning(part));
-    for (const std::string& warning : part.measurement.warnings) {
-      result.warnings.push_back("sweep " + std::to_string(part.sweep + 1) + ": " + warning);
+    const std::size_t sweep = *cell->sweep;
+    const std::vector<CrossSection> clipped = clip_each(sections[sweep], partition, region);
+    const std::vector<CrossSection> inside = present_in(sections[sweep], clipped, partition, region);
+    if (inside.empty()) {
+      if (auto part = unseen(sections, partition, region, sweep)) {
+        result.warnings.push_back(part->loss);
+        result.partitions.push_back(std::move(*part));
+      }
+      continue;
     }
-    add_to(result.total.linear_ml, part.measurement.volumes.linear_ml);
-    add_to(result.total.cubic_ml, part.measurement.volumes.cubic_ml);
-    add_to(result.total.cubic_3d_ml, part.measurement.volumes.cubic_3d_ml);
+    const PartitionLoss loss =
+        estimate_loss(sections[sweep], clipped, absent_frames(structure, sweeps[sweep]), partition, region);
+    PartitionVolume part{region,      sweep,           measure_planimetry(inside, {loss.first_cut, loss.last_cut}),
+                         loss.gap_mm, loss.missing_ml, {}};
+    part.loss = loss_in_words(part);
+    if (!part.loss.empty()) result.warnings.push_back(part.loss);
+    add_warnings(part.measurement.warnings, sweep_name(sweep) + ": ", result.warnings);
     result.partitions.push_back(std::move(part));
   }
-  if (result.partitions.empty()) result.total = {};
+  result.total = sum_of(result.partitions);
+  return result;
+}
+
+PartitionedVolume measure_sweeps(const Structure& structure, std::span<const FrameLocator> locators,
+                                 std::span<const Sweep> sweeps) {
+  PartitionedVolume result;
+  warn_of_unused(structure, sweeps, result.warnings);
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    std::vector<std::string> warnings;
+    std::vector<CrossSection> sections;
+    for (const SectionOutline& section :
+         section_outlines(structure, locator_of(locators, sweeps[s]), sweeps[s], &warnings)) {
+      sections.push_back(section.whole);
+    }
+    if (!sections.empty()) {
+      PartitionVolume part{s, s, measure_planimetry(sections), 0.0, 0.0, {}};
+      warnings.insert(warnings.end(), part.measurement.warnings.begin(), part.measurement.warnings.end());
+      result.partitions.push_back(std::move(part));
+    }
+    add_warnings(std::move(warnings), sweep_name(s) + ": ", result.warnings);
+  }
+  if (result.partitions.size() == 1) result.total = result.partitions.front().measurement.volumes;
+  if (result.partitions.size() > 1) {
+    result.warnings.insert(
+        result.warnings.begin(),
+        "outlined in " + std::to_string(result.partitions.size()) +
+            " sweeps with no dividing planes: each has its volume, and they have no sum, as they may "
+            "show the same part twice; place planes (fathom planes), or outline one sweep");
+  }
   return result;
 }
 

@@ -164,15 +164,16 @@ std::vector<std::string> turns_back(std::span<const CrossSection> sections) {
 }
 
 // A warning where the outlines stop short of the organ's ends, as far as can be told: an end may be a flat face.
-std::optional<std::string> large_end(std::span<const CrossSection> sections) {
+std::optional<std::string> large_end(std::span<const CrossSection> sections, const CutEnds& cut) {
   double largest = 0.0;
   for (const CrossSection& section : sections) largest = std::max(largest, section.vector_area_mm2.norm());
   const auto percent = [&](const CrossSection& section) {
     return static_cast<int>(std::lround(100.0 * section.vector_area_mm2.norm() / largest));
   };
   std::string where;
-  for (const CrossSection* section : {&sections.front(), &sections.back()}) {
-    if (section->vector_area_mm2.norm() <= kLargeEnd * largest) continue;
+  for (const auto& [section, known] :
+       {std::pair(&sections.front(), cut.first), std::pair(&sections.back(), cut.last)}) {
+    if (known || section->vector_area_mm2.norm() <= kLargeEnd * largest) continue;
     where += (where.empty() ? "" : " and ") + std::to_string(percent(*section)) + " % on frame " +
              std::to_string(section->frame);
   }
@@ -206,7 +207,7 @@ double cubic_planimetry_3d_ml(std::span<const CrossSection> sections, SplineEnd 
   return cubic_3d_mm3(sections, end) / kMm3PerMl;
 }
 
-VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections) {
+VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections, const CutEnds& cut) {
   VolumeMeasurement measurement;
   measurement.sections = static_cast<int>(sections.size());
   std::string reason = reason_for_no_volume(sections);
@@ -226,7 +227,7 @@ VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections) {
   if (sections.size() == 2) {
     measurement.warnings.push_back("only " + frames(sections.front(), sections.back()) +
                                    " are outlined: the volume is the trapezoid between them; outline more frames");
-  } else if (const auto warning = large_end(sections)) {
+  } else if (const auto warning = large_end(sections, cut)) {
     measurement.warnings.push_back(*warning);
   }
   for (std::string& warning : turns_back(sections)) measurement.warnings.push_back(std::move(warning));

@@ -43,9 +43,15 @@ struct VolumeMeasurement {
   std::vector<std::string> warnings;  ///< one section only, a sweep that turns back or stops short, ...
 };
 
+/// Ends at which sections are known to be cut off, so that nobody need be told that they are still large.
+struct CutEnds {
+  bool first = false;
+  bool last = false;
+};
+
 /// Measures by all methods. Never throws for a sweep that has no volume: says why in `warnings` instead. More is
 /// refused than by the single methods: also a rotational sweep by less than half a turn, whose end planes cross in
 /// the middle of the object.
-VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections);
+VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections, const CutEnds& cut = {});
 
 }  // namespace fathom

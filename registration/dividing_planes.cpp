@@ -17,6 +17,7 @@ constexpr double kSmallest_mm = 1e-6;  // closer than any tracker tells apart
 constexpr double kUnitLength = 1e-3;   // normals in files are typed by people, with few digits
 constexpr double kFarthest_mm = 1e6;   // a kilometre away is no plane of this patient
 constexpr int kMaxFrame = 1 << 30;
+constexpr std::size_t kMaxSweeps = 1000;  // nobody sweeps an organ more often
 
 struct Side {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< along the way to the other sweep
@@ -64,6 +65,15 @@ DividingPlane read_plane(const JsonValue& item) {
   return {normal.normalized(), -offset_mm};
 }
 
+Sweep read_sweep(const JsonValue& item) {
+  Sweep sweep;
+  if (item.has("recording")) sweep.recording = static_cast<std::size_t>(item.at("recording").integer(0, kMaxFrame));
+  sweep.first = item.at("first").integer(0, kMaxFrame);
+  sweep.last = item.at("last").integer(0, kMaxFrame);
+  if (sweep.last < sweep.first) item.fail("ends before it begins");
+  return sweep;
+}
+
 }  // namespace
 
 DividingPlane plane_between(const SweepShape& a, const SweepShape& b) {
@@ -99,31 +109,33 @@ SpacePartition place_dividing_planes(std::vector<SweepShape> sweeps, std::vector
   return partition;
 }
 
-PlanesFile read_planes(const std::filesystem::path& path) {
-  const nlohmann::json document = JsonValue::read_file(path);
-  const JsonValue root(document, path);
+PlanesFile planes_of(const JsonValue& root) {
   PlanesFile file;
-  const JsonValue planes = root.at("dividing_planes");
-  if (planes.size() > SpacePartition::kMaxPlanes) planes.fail("has more than 32 planes; remove some");
-  for (std::size_t i = 0; i < planes.size(); ++i) file.planes.push_back(read_plane(planes[i]));
+  if (root.has("dividing_planes")) {
+    const JsonValue planes = root.at("dividing_planes");
+    if (planes.size() > SpacePartition::kMaxPlanes) planes.fail("has more than 32 planes; remove some");
+    for (std::size_t i = 0; i < planes.size(); ++i) file.planes.push_back(read_plane(planes[i]));
+  }
   if (!root.has("sweeps")) return file;
   const JsonValue sweeps = root.at("sweeps");
+  if (sweeps.size() > kMaxSweeps) sweeps.fail("has more than 1000 sweeps; drop those that are none");
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    Sweep sweep;
-    if (sweeps[i].has("recording")) {
-      sweep.recording = static_cast<std::size_t>(sweeps[i].at("recording").integer(0, kMaxFrame));
-    }
-    sweep.first = sweeps[i].at("first").integer(0, kMaxFrame);
-    sweep.last = sweeps[i].at("last").integer(0, kMaxFrame);
-    if (sweep.last < sweep.first) sweeps[i].fail("ends before it begins");
+    const Sweep sweep = read_sweep(sweeps[i]);
     for (const Sweep& other : file.sweeps) {
       if (other.recording == sweep.recording && other.first <= sweep.last && sweep.first <= other.last) {
-        sweeps[i].fail("shares frames with another sweep");
+        sweeps[i].fail("shares frames with another sweep; let each frame belong to one");
       }
     }
     file.sweeps.push_back(sweep);
   }
   return file;
+}
+
+PlanesFile read_planes(const std::filesystem::path& path) {
+  const nlohmann::json document = JsonValue::read_file(path);
+  const JsonValue root(document, path);
+  root.at("dividing_planes").size();
+  return planes_of(root);
 }
 
 std::string planes_json(const PlanesFile& file) {

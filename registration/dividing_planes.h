@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/json.h"
 #include "registration/partition.h"
 
 namespace fathom {
@@ -23,8 +24,12 @@ struct PlanesFile {
   std::vector<DividingPlane> planes;
 };
 
-/// Throws Error when the file is damaged, has no "dividing_planes" or more than 32, a normal has no length to 1e-3 of
-/// a unit vector's, or sweeps run backward or overlap.
+/// What an object in a file holds under "sweeps" and "dividing_planes", either of which may be missing. Throws Error
+/// for more than 32 planes or 1000 sweeps, when a normal has no length to 1e-3 of a unit vector's, or sweeps run
+/// backward or overlap.
+PlanesFile planes_of(const JsonValue& root);
+
+/// Throws Error when the file is damaged, or has no "dividing_planes"; and as planes_of.
 PlanesFile read_planes(const std::filesystem::path& path);
 
 /// The text of such a file; reads back as the same.
