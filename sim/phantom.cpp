@@ -39,18 +39,15 @@ std::unique_ptr<Solid> make_bean() {
   return make_bent_ellipsoid({10.0, 9.0, 6.0}, {.x2 = 0.075, .x3 = 0.0, .y2 = 0.0, .y3 = 0.0, .shift_mm = -1.35});
 }
 
-/// A vessel that divides, wide where it does: one limb downward, two upward and turned apart.
+/// A vessel that divides, wide where it does: one limb downward, two upward, all in one plane.
 std::unique_ptr<Solid> make_branching() {
   constexpr double kTilt = 52.0 * kRadian;  // of the upper limbs against the upright
-  constexpr double kTurn = 20.0 * kRadian;  // about the upright, out of the plane of x and z
-  std::vector<Limb> limbs = {{.direction = -Eigen::Vector3d::UnitZ(), .length_mm = 8.18, .radius_mm = 3.0}};
+  std::vector<Limb> limbs = {{.direction = -Eigen::Vector3d::UnitZ(), .length_mm = 8.53, .radius_mm = 3.0}};
   for (const double side : {-1.0, 1.0}) {
-    limbs.push_back({.direction = {side * std::sin(kTilt) * std::cos(kTurn), side * std::sin(kTilt) * std::sin(kTurn),
-                                   std::cos(kTilt)},
-                     .length_mm = 9.45,
-                     .radius_mm = 3.0});
+    limbs.push_back(
+        {.direction = {side * std::sin(kTilt), 0.0, std::cos(kTilt)}, .length_mm = 8.883, .radius_mm = 3.0});
   }
-  return make_limbed_ball({0.0, 0.0, 1.18}, 6.0, std::move(limbs));
+  return make_limbed_ball({0.0, 0.0, 1.531}, 6.0, std::move(limbs));
 }
 
 /// An adult's kidney, 114 x 60 x 47 mm, lying along x, its hilum towards +z.

@@ -35,16 +35,19 @@ ScanGeometry fan(double across, double axis, double side_deg = 0.0) {
 std::span<const SweepPattern> sweep_table() {
   static const std::array<SweepPattern, 8> table = {{
       {"sweeps-a", {0.64, 1.5}, {straight(-0.5), straight(0.5)}},
-      {"sweeps-b", {0.80, 1.9}, {straight(-0.5, -25), straight(0.5, 25)}},
-      {"sweeps-c", {1.60, 1.5}, {sweep(-0.5, 0, {20, 0, 0}, {60, 0, 0}), sweep(0.5, 0, {-20, 0, 0}, {-60, 0, 0})}},
-      {"sweeps-d", {0.44, 1.5}, {straight(-0.66), straight(0), straight(0.66)}},
-      {"sweeps-e", {0.60, 1.9}, {straight(-0.5, -30), straight(0), straight(0.5, 30)}},
-      {"sweeps-f", {0.44, 2.2}, {fan(-0.66, 1.3), fan(0, 1.3), fan(0.66, 1.3)}},
+      {"sweeps-b", {1.10, 1.9}, {sweep(-0.5, -15, {0, -15, 0}, {0, 15, 0}), sweep(0.5, 15, {0, -15, 0}, {0, 15, 0})}},
+      {"sweeps-c", {1.60, 1.5}, {sweep(-0.5, 0, {10, 0, 0}, {70, 0, 0}), sweep(0.5, 0, {-10, 0, 0}, {-70, 0, 0})}},
+      {"sweeps-d", {0.50, 1.5}, {straight(-0.90), straight(0), straight(0.90)}},
+      {"sweeps-e",
+       {0.70, 1.9},
+       {sweep(-0.8, -15, {0, -10, 0}, {0, 10, 0}), sweep(0, 0, {0, -10, 0}, {0, 10, 0}),
+        sweep(0.8, 15, {0, -10, 0}, {0, 10, 0})}},
+      {"sweeps-f", {0.50, 2.4}, {fan(-0.90, 1.6), fan(0, 1.6), fan(0.90, 1.6)}},
       {"sweeps-g",
-       {0.60, 1.6},
-       {sweep(-0.66, 0, {-25, -20, 0}, {15, 20, 0}), sweep(0, 0, {-20, -25, 0}, {20, 25, 0}),
-        sweep(0.66, 0, {-15, -20, 0}, {25, 20, 0})}},
-      {"sweeps-h", {0.60, 2.2}, {straight(-0.66), fan(0, 1.3), sweep(0.66, 0, {-20, -20, 0}, {20, 20, 0})}},
+       {0.70, 1.6},
+       {sweep(-0.90, 0, {-15, -20, 0}, {15, 20, 0}), sweep(0, 0, {-15, -20, 0}, {15, 20, 0}),
+        sweep(0.90, 0, {-15, -20, 0}, {15, 20, 0})}},
+      {"sweeps-h", {0.70, 2.4}, {straight(-0.90), fan(0, 1.6), sweep(0.90, 0, {-10, -20, 0}, {10, 20, 0})}},
   }};
   return table;
 }
