@@ -9,7 +9,7 @@
 #include "core/atomic_file.h"
 #include "registration/calibration.h"
 #include "sim/phantom.h"
-#include "sim/scan_path.h"
+#include "sim/scan_plan.h"
 
 namespace fathom {
 

@@ -36,6 +36,17 @@ void require_count(std::size_t planes) {
 
 }  // namespace
 
+void SweepShape::add(const Eigen::Affine3d& reference_from_image, int width, int height) {
+  const double right = width - 1.0;
+  const double bottom = height - 1.0;
+  const auto place = [&](double x, double y) -> Eigen::Vector3d {
+    return reference_from_image * Eigen::Vector3d(x, y, 0.0);
+  };
+  centres_mm.push_back(place(0.5 * right, 0.5 * bottom));
+  last_corners_mm = {place(0.0, 0.0), place(right, 0.0), place(right, bottom), place(0.0, bottom)};
+  if (first_corners_mm.empty()) first_corners_mm = last_corners_mm;
+}
+
 Eigen::Vector3d SweepShape::centre_mm() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& centre : centres_mm) sum += centre;
@@ -44,15 +55,9 @@ Eigen::Vector3d SweepShape::centre_mm() const {
 
 SweepShape sweep_shape(const Sweep& sweep, const FrameLocator& locator, int width, int height) {
   SweepShape shape;
-  const double right = width - 1.0;
-  const double bottom = height - 1.0;
   for (int frame = std::max(0, sweep.first); frame <= std::min(sweep.last, locator.frame_count() - 1); ++frame) {
     const auto map = locator.reference_from_image(frame);
-    if (!map) continue;
-    shape.centres_mm.push_back(*map * Eigen::Vector3d(0.5 * right, 0.5 * bottom, 0.0));
-    shape.last_corners_mm = {*map * Eigen::Vector3d(0, 0, 0), *map * Eigen::Vector3d(right, 0, 0),
-                             *map * Eigen::Vector3d(right, bottom, 0), *map * Eigen::Vector3d(0, bottom, 0)};
-    if (shape.first_corners_mm.empty()) shape.first_corners_mm = shape.last_corners_mm;
+    if (map) shape.add(*map, width, height);
   }
   if (shape.centres_mm.empty()) {
     throw Error(locator.recording_name() + ": no frame from " + std::to_string(sweep.first) + " to " +

@@ -22,6 +22,8 @@ struct SweepShape {
   std::vector<Eigen::Vector3d> first_corners_mm;
   std::vector<Eigen::Vector3d> last_corners_mm;
 
+  /// A further frame, of `width` by `height` pixels.
+  void add(const Eigen::Affine3d& reference_from_image, int width, int height);
   Eigen::Vector3d centre_mm() const;
 };
 

@@ -34,6 +34,22 @@ std::unique_ptr<Solid> make_hat() {
   return make_spiked_ball({0.0, 0.0, -2.49}, 5.05, std::move(horns));
 }
 
+/// A bean: bent so far that it is hollow on one side; it reaches from -6 to 8.7 mm before the shift.
+std::unique_ptr<Solid> make_bean() {
+  return make_bent_ellipsoid({10.0, 9.0, 6.0}, {.x2 = 0.075, .x3 = 0.0, .y2 = 0.0, .y3 = 0.0, .shift_mm = -1.35});
+}
+
+/// A vessel that divides, wide where it does: one limb downward, two upward, all in one plane.
+std::unique_ptr<Solid> make_branching() {
+  constexpr double kTilt = 52.0 * kRadian;  // of the upper limbs against the upright
+  std::vector<Limb> limbs = {{.direction = -Eigen::Vector3d::UnitZ(), .length_mm = 8.53, .radius_mm = 3.0}};
+  for (const double side : {-1.0, 1.0}) {
+    limbs.push_back(
+        {.direction = {side * std::sin(kTilt), 0.0, std::cos(kTilt)}, .length_mm = 8.883, .radius_mm = 3.0});
+  }
+  return make_limbed_ball({0.0, 0.0, 1.531}, 6.0, std::move(limbs));
+}
+
 /// An adult's kidney, 114 x 60 x 47 mm, lying along x, its hilum towards +z.
 std::unique_ptr<Solid> make_kidney() {
   return make_bent_ellipsoid({57.0, 29.9, 21.0},
@@ -46,8 +62,8 @@ struct Entry {
   std::function<std::unique_ptr<Solid>()> make;
 };
 
-const std::array<Entry, 7>& entries() {
-  static const std::array<Entry, 7> table = {{
+const std::array<Entry, 10>& entries() {
+  static const std::array<Entry, 10> table = {{
       {"sphere", kSmallPixel,
        [] {
          return make_ellipsoid({10.0, 10.0, 10.0});
@@ -63,6 +79,12 @@ const std::array<Entry, 7>& entries() {
        }},
       {"glove", kSmallPixel, make_glove},
       {"hat", kSmallPixel, make_hat},
+      {"box", kSmallPixel,
+       [] {
+         return make_box({10.0, 8.0, 6.5});
+       }},
+      {"concave", kSmallPixel, make_bean},
+      {"branching", kSmallPixel, make_branching},
       {"kidney", kOrganPixel, make_kidney},
   }};
   return table;

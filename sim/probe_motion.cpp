@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
 constexpr double kFrameRate_hz = 25.0;
+constexpr double kPause_s = 2.0;       // between sweeps, while the probe is moved to the next window
 constexpr double kFirstTime_s = 3.52;  // a recording seldom starts with the clock
 constexpr double kSensorDistance_mm = 100.0;
 constexpr double kLoneFrameStep = 0.05;  // of the path, per frame, where a single frame gives no step
@@ -36,10 +37,9 @@ std::vector<ScanPlane> uniform_planes(Random random, int count, double mm, doubl
   return planes;
 }
 
-/// The disturbance at a time between frames, `at` counted in frames.
-ScanPlane between(const std::vector<ScanPlane>& planes, double at) {
-  const double last = static_cast<double>(planes.size() - 1);
-  const double bounded = std::clamp(at, 0.0, last);
+/// The disturbance at a time between a sweep's frames, `at` counted in frames.
+ScanPlane between(const std::vector<ScanPlane>& planes, const Sweep& sweep, double at) {
+  const double bounded = std::clamp(at, static_cast<double>(sweep.first), static_cast<double>(sweep.last));
   const double before = std::floor(bounded);
   const auto i = static_cast<std::size_t>(before);
   if (bounded == before) return planes[i];
@@ -61,10 +61,10 @@ Eigen::Isometry3d placed(const Eigen::Vector3d& turn_rad, const Eigen::Vector3d&
 
 }  // namespace
 
-Calibration simulated_calibration(const Phantom& phantom, double latency_s) {
+Calibration simulated_calibration(const Phantom& phantom, cv::Size image_size, double latency_s) {
   const Eigen::Matrix3d turn = placed({0.31, -1.12, 0.64}, Eigen::Vector3d::Zero()).linear();
   const Eigen::Vector3d scale(phantom.pixel_mm.x(), phantom.pixel_mm.y(), phantom.pixel_mm.mean());
-  const Eigen::Vector3d centre_px((kImageSize.width - 1) / 2.0, (kImageSize.height - 1) / 2.0, 0.0);
+  const Eigen::Vector3d centre_px((image_size.width - 1) / 2.0, (image_size.height - 1) / 2.0, 0.0);
   const Eigen::Vector3d centre_mm = kSensorDistance_mm * Eigen::Vector3d(0.28, -0.36, 0.89).normalized();
 
   Calibration calibration;
@@ -73,13 +73,13 @@ Calibration simulated_calibration(const Phantom& phantom, double latency_s) {
   calibration.latency_s = latency_s;
   calibration.probe_frame = "Probe";
   calibration.reference_frame = "Reference";
-  calibration.image_size = kImageSize;
-  calibration.depth_mm = kImageSize.height * phantom.pixel_mm.y();
+  calibration.image_size = image_size;
+  calibration.depth_mm = image_size.height * phantom.pixel_mm.y();
   calibration.probe = "simulated";
   return calibration;
 }
 
-ProbeMotion move_probe(const ScanPath& path, const Phantom& phantom, const Calibration& calibration,
+ProbeMotion move_probe(const ScanPlan& plan, const Phantom& phantom, const Calibration& calibration,
                        const SimulateOptions& options) {
   const std::vector<ScanPlane> jitter = uniform_planes(random_stream(options.seed, Stream::kJitter), options.frames,
                                                        options.jitter_mm, options.jitter_deg);
@@ -88,19 +88,27 @@ ProbeMotion move_probe(const ScanPath& path, const Phantom& phantom, const Calib
                      options.misregister_deg);
   Random noise = random_stream(options.seed, Stream::kNoise);
 
-  const auto plane_at = [&](double frame) {
-    const double u = options.frames > 1 ? frame / (options.frames - 1) : 0.5 + frame * kLoneFrameStep;
-    return path.at(u) + between(jitter, frame);
-  };
-
   ProbeMotion motion;
+  for (const int share : frames_of_sweeps(options.frames, plan.sweeps.size())) {
+    const int first = motion.sweeps.empty() ? 0 : motion.sweeps.back().last + 1;
+    motion.sweeps.push_back({0, first, first + share - 1});
+  }
   motion.tracker_from_reference = placed({-0.42, 0.23, 0.91}, {118.0, -342.0, 251.0});
   const Eigen::Isometry3d reference_from_phantom = placed({0.17, 0.36, -0.52}, {31.0, -18.0, 147.0});
   const Eigen::Isometry3d tracker_from_phantom = motion.tracker_from_reference * reference_from_phantom;
   const Eigen::Affine3d image_from_probe = calibration.probe_from_image.inverse();
 
+  std::size_t number = 0;  // of the sweep
   for (int frame = 0; frame < options.frames; ++frame) {
-    motion.times_s.push_back(kFirstTime_s + frame / kFrameRate_hz);
+    if (frame > motion.sweeps[number].last) ++number;
+    const Sweep& sweep = motion.sweeps[number];
+    const ScanPath& path = plan.sweeps[number];
+    const auto plane_at = [&](double at) {
+      const double in_sweep = at - sweep.first;
+      const int count = frame_count(sweep);
+      return path.at(count > 1 ? in_sweep / (count - 1) : 0.5 + in_sweep * kLoneFrameStep) + between(jitter, sweep, at);
+    };
+    motion.times_s.push_back(kFirstTime_s + frame / kFrameRate_hz + static_cast<double>(number) * kPause_s);
     motion.phantom_from_image.push_back(path.phantom_from_image(plane_at(frame), phantom.pixel_mm));
 
     const ScanPlane seen =

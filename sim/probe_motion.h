@@ -5,7 +5,8 @@
 #include <Eigen/Geometry>
 
 #include "registration/calibration.h"
-#include "sim/scan_path.h"
+#include "registration/sweep.h"
+#include "sim/scan_plan.h"
 #include "sim/simulate.h"
 
 namespace fathom {
@@ -16,16 +17,17 @@ struct ProbeMotion {
   std::vector<Eigen::Affine3d> phantom_from_image;    ///< true
   std::vector<Eigen::Isometry3d> tracker_from_probe;  ///< recorded: misregistered, noisy, late
   Eigen::Isometry3d tracker_from_reference;           ///< the same for every frame, and exact
+  std::vector<Sweep> sweeps;                          ///< the frames of each of the plan's
 };
 
 /// The simulated probe's own calibration: turned, 100 mm from the sensor to the image's centre, image x and y scaled by
 /// the phantom's pixels. `latency_s` is copied.
-Calibration simulated_calibration(const Phantom& phantom, double latency_s);
+Calibration simulated_calibration(const Phantom& phantom, cv::Size image_size, double latency_s);
 
-/// Moves the probe along `path`, equal steps in time. Jitter displaces the true planes, in between frames by linear
-/// interpolation; what the tracker stamps t is the pose at t - latency_s, for which the path goes on beyond its ends.
-/// `options` are checked.
-ProbeMotion move_probe(const ScanPath& path, const Phantom& phantom, const Calibration& calibration,
+/// Moves the probe along the plan's sweeps, equal steps in time and a pause between sweeps. Jitter displaces the true
+/// planes, in between frames by linear interpolation; what the tracker stamps t is the pose at t - latency_s, for which
+/// the path goes on beyond its ends. `options` are checked. Throws Error as frames_of_sweeps.
+ProbeMotion move_probe(const ScanPlan& plan, const Phantom& phantom, const Calibration& calibration,
                        const SimulateOptions& options);
 
 }  // namespace fathom

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/phantom.h"
+#include "sim/solid_part.h"
 
 namespace fathom {
 
@@ -22,15 +23,17 @@ struct ScanPlane {
   ScanPlane operator*(double factor) const;
 };
 
-/// A sweep from a first to a last plane, which touch the object from outside.
+/// A sweep from a first to a last plane, between which the object lies, or the part of it that the sweep is to show.
 struct ScanPath {
   /// Columns: image x, image y (away from the probe) and the sweep's direction, before the plane is turned.
   Eigen::Matrix3d view = Eigen::Matrix3d::Identity();
   Eigen::Vector2d anchor_px = Eigen::Vector2d::Zero();  ///< the pixel that lies at ScanPlane::position_mm
   ScanPlane first;
   ScanPlane last;
-  Contact first_contact;  ///< in the phantom's coordinates
-  Contact last_contact;
+  /// Where the first and last planes touch the object from outside, in the phantom's coordinates; empty where one lies
+  /// in a flat face or cuts the object.
+  std::optional<Eigen::Vector3d> first_touch_mm;
+  std::optional<Eigen::Vector3d> last_touch_mm;
 
   /// The plane at `u`: 0 the first, 1 the last; continued in the same way below 0 and above 1.
   ScanPlane at(double u) const;
@@ -49,12 +52,19 @@ struct ScanGeometry {
   /// A fan turns about an axis along image x that lies before the object's middle, by this many times the object's
   /// extent towards the probe; its elevations follow from touching the object. Empty: not a fan.
   std::optional<double> fan_axis;
+  /// The images' middle lies beside the object's middle, along image x, by this many times half the object's extent.
+  double across = 0.0;
 };
 
-/// The path of a pattern around a phantom. Throws Error, naming the choice, for an unknown pattern.
+/// The path of a pattern of one sweep around a phantom; the pattern is one of single_sweep_patterns().
 ScanPath make_scan_path(const Phantom& phantom, const std::string& pattern);
-ScanPath make_scan_path(const Phantom& phantom, const ScanGeometry& geometry);
 
-std::vector<std::string> pattern_names();
+/// The path between the planes that touch `part`, in images of `image_size`. Planes that touch less than the whole
+/// object are moved into the part by a hundredth of the object's radius: they are close to its edge, but cut it, and so
+/// have a cross-section there.
+ScanPath make_scan_path(const Phantom& phantom, const ScanGeometry& geometry, const SolidPart& part,
+                        cv::Size image_size);
+
+std::vector<std::string> single_sweep_patterns();
 
 }  // namespace fathom

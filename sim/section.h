@@ -21,4 +21,8 @@ cv::Mat section_image(const Solid& solid, const Eigen::Affine3d& solid_from_imag
 /// Parts smaller than 1/512 of the solid's diameter may be missed. The image's columns must be perpendicular.
 std::vector<Polygon> section_outlines(const Solid& solid, const Eigen::Affine3d& solid_from_image);
 
+/// The same within an image of `size`, bounded by the outer edges of its outer pixels. An outline that the border cuts
+/// is open: its ends lie on the border, and the straight line between them runs along it.
+std::vector<Contour> image_outlines(const Solid& solid, const Eigen::Affine3d& solid_from_image, cv::Size size);
+
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "sim/open_at_border.h"
 #include "sim/section.h"
 #include "sim/thin_polygon.h"
 
@@ -25,14 +26,20 @@ constexpr double kThinning = 1e-4;     // of area / perimeter: thinning changes 
 constexpr double kShortest_mm = 1e-7;  // edges this short are left alone: rounding decides their direction
 constexpr std::uint32_t kRowStride = 1 << 16;
 
-/// The solid's bound along a plane, in millimetres of that plane.
+/// The solid's bound along a plane, in millimetres of that plane, or that of what a rectangle shows of it.
 struct PlaneField {
   const Solid& solid;
   Eigen::Vector3d origin;
   Eigen::Vector3d u;
   Eigen::Vector3d v;
+  std::optional<Eigen::AlignedBox2d> window;
 
-  double operator()(const Eigen::Vector2d& p) const { return solid.distance_bound_mm(origin + p.x() * u + p.y() * v); }
+  double operator()(const Eigen::Vector2d& p) const {
+    const double bound = solid.distance_bound_mm(origin + p.x() * u + p.y() * v);
+    if (!window) return bound;
+    const Eigen::Vector2d outside = (p - window->center()).cwiseAbs() - 0.5 * window->sizes();
+    return std::max(bound, outside.maxCoeff());
+  }
 };
 
 /// Where the surface crosses the segment from `a` to `b`, given values of different sides at the ends: false position
@@ -219,9 +226,11 @@ Polygon refined(const PlaneField& field, const Polygon& line) {
   return result;
 }
 
-}  // namespace
+/// An image's rectangle in pixels; none for all of the plane.
+using ImageWindow = std::optional<Eigen::AlignedBox2d>;
 
-std::vector<Polygon> section_outlines(const Solid& solid, const Eigen::Affine3d& solid_from_image) {
+std::vector<Polygon> outlines_within(const Solid& solid, const Eigen::Affine3d& solid_from_image,
+                                     const ImageWindow& window_px) {
   const Eigen::Vector3d right = solid_from_image.linear().col(0);
   const Eigen::Vector3d down = solid_from_image.linear().col(1);
   const Eigen::Vector3d u = right.normalized();
@@ -231,21 +240,38 @@ std::vector<Polygon> section_outlines(const Solid& solid, const Eigen::Affine3d&
   const double height = solid_from_image.translation().dot(normal);
   const double squared = solid.radius_mm() * solid.radius_mm() - height * height;
   if (squared <= 0.0) return {};
-  // A little larger, and not by a round number, so that nothing symmetric falls on grid points.
-  const PlaneField field{solid, height * normal, u, v};
-  const double half_side_mm = solid.radius_mm() * 1.0173;
+  const Eigen::Vector2d scale(right.norm(), down.norm());
   const Eigen::Vector2d origin(solid_from_image.translation().dot(u), solid_from_image.translation().dot(v));
+  PlaneField field{solid, height * normal, u, v, {}};
+  if (window_px) {
+    field.window.emplace(origin + scale.cwiseProduct(window_px->min()), origin + scale.cwiseProduct(window_px->max()));
+  }
+  // A little larger, and not by a round number, so that nothing symmetric falls on grid points.
+  const double half_side_mm = solid.radius_mm() * 1.0173;
 
   std::vector<Polygon> outlines;
   for (const Polygon& line : Marcher(field, half_side_mm).lines()) {
     Polygon outline = thinned(refined(field, line), kThinning);
     if (outline.size() < 3) continue;
-    for (Eigen::Vector2d& point : outline) {
-      point = Eigen::Vector2d((point.x() - origin.x()) / right.norm(), (point.y() - origin.y()) / down.norm());
-    }
+    for (Eigen::Vector2d& point : outline) point = (point - origin).cwiseQuotient(scale);
     outlines.push_back(std::move(outline));
   }
   return outlines;
+}
+
+}  // namespace
+
+std::vector<Polygon> section_outlines(const Solid& solid, const Eigen::Affine3d& solid_from_image) {
+  return outlines_within(solid, solid_from_image, {});
+}
+
+std::vector<Contour> image_outlines(const Solid& solid, const Eigen::Affine3d& solid_from_image, cv::Size size) {
+  const Eigen::AlignedBox2d window(Eigen::Vector2d(-0.5, -0.5), Eigen::Vector2d(size.width - 0.5, size.height - 0.5));
+  std::vector<Contour> contours;
+  for (Polygon& outline : outlines_within(solid, solid_from_image, window)) {
+    contours.push_back(opened_at_border(std::move(outline), window));
+  }
+  return contours;
 }
 
 }  // namespace fathom

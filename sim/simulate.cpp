@@ -10,7 +10,7 @@
 #include "sim/choice.h"
 #include "sim/phantom.h"
 #include "sim/probe_motion.h"
-#include "sim/scan_path.h"
+#include "sim/scan_plan.h"
 #include "sim/section.h"
 
 namespace fathom {
@@ -47,7 +47,7 @@ class SimulatedRecording final : public Recording {
   cv::Mat image(int frame) const override {
     require_frame(frame);
     const Eigen::Affine3d& phantom_from_image = phantom_from_image_[static_cast<std::size_t>(frame)];
-    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, kImageSize);
+    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, {header().width, header().height});
     return field_ ? speckled_image(*field_, *speckle_, inside, phantom_from_image) : inside;
   }
 
@@ -58,10 +58,10 @@ class SimulatedRecording final : public Recording {
   std::optional<SpeckleField> field_;
 };
 
-RecordingHeader recorded_header(const ProbeMotion& motion) {
+RecordingHeader recorded_header(const ProbeMotion& motion, cv::Size image_size) {
   RecordingHeader header;
-  header.width = kImageSize.width;
-  header.height = kImageSize.height;
+  header.width = image_size.width;
+  header.height = image_size.height;
   header.pixel_type = CV_8UC1;
   header.transforms = {"ProbeToTracker", "ReferenceToTracker"};
   for (std::size_t i = 0; i < motion.times_s.size(); ++i) {
@@ -75,24 +75,40 @@ RecordingHeader recorded_header(const ProbeMotion& motion) {
   return header;
 }
 
-Structure true_outlines(const Phantom& phantom, const ScanPath& path, const ProbeMotion& motion, bool steady,
+/// Of every frame, the point at which its plane touches the object from outside, if it does.
+std::vector<std::optional<Eigen::Vector3d>> touching_points(const ScanPlan& plan, const ProbeMotion& motion) {
+  std::vector<std::optional<Eigen::Vector3d>> points(motion.times_s.size());
+  for (std::size_t i = 0; i < plan.sweeps.size(); ++i) {
+    const Sweep& sweep = motion.sweeps[i];
+    if (frame_count(sweep) == 1) continue;
+    points[static_cast<std::size_t>(sweep.first)] = plan.sweeps[i].first_touch_mm;
+    points[static_cast<std::size_t>(sweep.last)] = plan.sweeps[i].last_touch_mm;
+  }
+  return points;
+}
+
+std::vector<Contour> outlines_of_plane(const Phantom& phantom, const ScanPlan& plan,
+                                       const Eigen::Affine3d& phantom_from_image) {
+  if (plan.cuts_off) return image_outlines(*phantom.solid, phantom_from_image, plan.image_size);
+  std::vector<Contour> contours;
+  for (Polygon& outline : section_outlines(*phantom.solid, phantom_from_image)) {
+    contours.emplace_back().points_px = std::move(outline);
+  }
+  return contours;
+}
+
+Structure true_outlines(const Phantom& phantom, const ScanPlan& plan, const ProbeMotion& motion, bool steady,
                         const Progress& progress) {
   const int count = static_cast<int>(motion.times_s.size());
-  const auto touch_of = [&](int frame) -> const Contact* {
-    // An unsteady plane cuts or misses; a plane that lies in a flat face sees the face.
-    if (!steady || count == 1) return nullptr;
-    if (frame == 0 && !path.first_contact.on_face) return &path.first_contact;
-    if (frame == count - 1 && !path.last_contact.on_face) return &path.last_contact;
-    return nullptr;
-  };
-  std::vector<std::vector<Polygon>> outlines(static_cast<std::size_t>(count));
+  std::vector<std::optional<Eigen::Vector3d>> touches(motion.times_s.size());
+  if (steady) touches = touching_points(plan, motion);  // an unsteady plane cuts or misses
+  std::vector<std::vector<Contour>> outlines(static_cast<std::size_t>(count));
   for (int first = 0; first < count; first += kFramesPerReport) {
     report(progress, static_cast<double>(first) / count);
     cv::parallel_for_(cv::Range(first, std::min(count, first + kFramesPerReport)), [&](const cv::Range& range) {
       for (int frame = range.start; frame < range.end; ++frame) {
-        if (touch_of(frame) != nullptr) continue;
         const auto i = static_cast<std::size_t>(frame);
-        outlines[i] = section_outlines(*phantom.solid, motion.phantom_from_image[i]);
+        if (!touches[i]) outlines[i] = outlines_of_plane(phantom, plan, motion.phantom_from_image[i]);
       }
     });
   }
@@ -102,17 +118,15 @@ Structure true_outlines(const Phantom& phantom, const ScanPath& path, const Prob
   structure.name = phantom.name;
   for (int frame = 0; frame < count; ++frame) {
     const auto i = static_cast<std::size_t>(frame);
-    if (const Contact* contact = touch_of(frame)) {
-      const Eigen::Vector3d x_in_image_px = motion.phantom_from_image[i].inverse() * contact->point_mm;
+    if (touches[i]) {
+      const Eigen::Vector3d x_in_image_px = motion.phantom_from_image[i].inverse() * *touches[i];
       structure.extremities.push_back({frame, x_in_image_px.head<2>()});
     } else if (outlines[i].empty()) {
       structure.absent.push_back({frame});
     }
-    for (Polygon& outline : outlines[i]) {
-      Contour contour;
-      contour.frame = frame;
-      contour.points_px = std::move(outline);
-      structure.contours.push_back(std::move(contour));
+    for (Contour& outline : outlines[i]) {
+      outline.frame = frame;
+      structure.contours.push_back(std::move(outline));
     }
   }
   return structure;
@@ -137,17 +151,17 @@ void SimulateOptions::check() const {
 SimulatedScan simulate(const SimulateOptions& options, const Progress& progress) {
   options.check();
   const Phantom phantom = make_phantom(options.object);
-  const ScanPath path = make_scan_path(phantom, options.pattern);
+  const ScanPlan plan = make_scan_plan(phantom, options.pattern);
 
   SimulatedScan scan;
-  scan.calibration = simulated_calibration(phantom, options.latency_s);
-  ProbeMotion motion = move_probe(path, phantom, scan.calibration, options);
+  scan.calibration = simulated_calibration(phantom, plan.image_size, options.latency_s);
+  ProbeMotion motion = move_probe(plan, phantom, scan.calibration, options);
   const bool steady = options.jitter_mm == 0.0 && options.jitter_deg == 0.0;
-  scan.outlines = {true_outlines(phantom, path, motion, steady, progress)};
+  scan.outlines = {true_outlines(phantom, plan, motion, steady, progress)};
   scan.truth.volume_ml = phantom.solid->volume_mm3() / kMm3PerMl;
   scan.truth.surface_area_cm2 = phantom.solid->area_mm2() / kMm2PerCm2;
   scan.truth.structures = {{phantom.name, scan.truth.volume_ml}};
-  RecordingHeader header = recorded_header(motion);
+  RecordingHeader header = recorded_header(motion, plan.image_size);
   std::optional<SpeckleOptions> speckle = options.speckle;
   if (speckle) speckle->seed = options.seed;
   scan.recording =

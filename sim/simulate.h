@@ -24,7 +24,7 @@ struct SimulateOptions {
   static constexpr double kMaxLatency_s = 10.0;  ///< either way
 
   std::string object = "sphere";   ///< one of object_names(), sim/phantom.h
-  std::string pattern = "linear";  ///< one of pattern_names(), sim/scan_path.h
+  std::string pattern = "linear";  ///< one of pattern_names(), sim/scan_plan.h
   int frames = 20;                 ///< 1 to kMaxFrames
   std::uint64_t seed = 1;          ///< the same seed gives the same bytes
   double jitter_mm = 0.0;          ///< unsteady hand, before the scan: uniform in +- on each of three axes

@@ -74,4 +74,15 @@ struct Spike {
 /// which it leaves the ball, less the ball's cap above that circle.
 std::unique_ptr<Solid> make_spiked_ball(const Eigen::Vector3d& centre_mm, double radius_mm, std::vector<Spike> spikes);
 
+/// A round rod with a round end that grows out of a ball: its axis starts at the ball's centre.
+struct Limb {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit, from the ball's centre
+  double length_mm = 0.0;                                ///< from the ball's centre to that of the round end
+  double radius_mm = 0.0;                                ///< less than the ball's
+};
+
+/// A ball with limbs that do not meet outside of it. Volume and area exact: a limb adds the rod above the circle in
+/// which it leaves the ball and the half ball at its end, less the ball's cap above that circle.
+std::unique_ptr<Solid> make_limbed_ball(const Eigen::Vector3d& centre_mm, double radius_mm, std::vector<Limb> limbs);
+
 }  // namespace fathom

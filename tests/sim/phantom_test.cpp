@@ -145,7 +145,7 @@ TEST_P(EveryPhantom, FitsItsBall) {
 }
 
 TEST(Phantoms, OfTheSourceDocumentJustFitACubeOfTwentyMillimetres) {
-  for (const char* name : {"sphere", "ellipsoid", "cone", "cube", "glove", "hat"}) {
+  for (const char* name : {"sphere", "ellipsoid", "cone", "cube", "glove", "hat", "box", "concave", "branching"}) {
     const Phantom phantom = make_phantom(name);
     Eigen::Vector3d extent;
     for (int axis = 0; axis < 3; ++axis) {
@@ -162,9 +162,9 @@ TEST(Phantoms, KidneyIsOfAnAdultsSize) {
   EXPECT_NEAR(kidney.solid->volume_mm3() / 1000.0, 150.0, 5.0);
 }
 
-TEST(Phantoms, KidneyHasAHilumAndTheGloveAPalm) {
+TEST(Phantoms, KidneyGloveAndConcaveAreHollowOnOneSide) {
   // A line between two points of the surface that leaves the solid: it is not convex there.
-  for (const char* name : {"kidney", "glove"}) {
+  for (const char* name : {"kidney", "glove", "concave"}) {
     const Phantom phantom = make_phantom(name);
     const auto top = [&](double x) {
       double inside = -200.0;
@@ -185,7 +185,7 @@ TEST(Phantoms, UnknownNamesAreRefusedWithTheChoice) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
                  "simulate: there is no object \"bal?loon\"; choose one of sphere, ellipsoid, cone, cube, glove, hat, "
-                 "kidney");
+                 "box, concave, branching, kidney");
   }
 }
 

@@ -62,7 +62,7 @@ double out_of_ball_mm(const std::vector<Eigen::Vector3d>& points) {
 std::vector<std::pair<std::string, std::string>> every_scan() {
   std::vector<std::pair<std::string, std::string>> scans;
   for (const std::string& object : object_names()) {
-    for (const std::string& pattern : pattern_names()) scans.emplace_back(object, pattern);
+    for (const std::string& pattern : single_sweep_patterns()) scans.emplace_back(object, pattern);
   }
   return scans;
 }

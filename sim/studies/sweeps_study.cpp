@@ -1,0 +1,186 @@
+#include "sim/studies/sweeps_study.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "registration/dividing_planes.h"
+#include "registration/find_sweeps.h"
+#include "sim/scan_plan.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kGoalPercent = 2.0;
+
+struct PublishedObject {
+  const char* object;
+  std::array<int, 8> sections;
+  std::array<double, 8> linear_percent;
+  std::array<double, 8> surface_percent;
+};
+
+// Treece 2000, table 4.1; columns are sweep patterns (a) to (h).
+constexpr std::array<PublishedObject, 4> kPublished = {{
+    {"ellipsoid",
+     {12, 13, 24, 16, 17, 21, 22, 17},
+     {4.8, 5.9, 3.8, 5.8, 7.3, 6.9, 5.4, 7.2},
+     {7.0, 7.7, 1.5, 9.3, 9.3, 1.8, 4.0, 9.0}},
+    {"box",
+     {12, 16, 15, 18, 19, 18, 19, 19},
+     {1.5, 3.5, 7.7, 1.5, 5.6, 8.8, 4.4, 5.7},
+     {1.6, 4.0, 2.0, 1.5, 4.4, 0.6, 0.5, 4.0}},
+    {"concave",
+     {12, 12, 18, 17, 17, 18, 16, 18},
+     {5.7, 7.7, 4.1, 6.4, 7.9, 6.7, 7.4, 6.8},
+     {12.0, 11.3, 2.5, 9.0, 10.7, 4.7, 6.2, 5.8}},
+    {"branching",
+     {16, 13, 16, 17, 22, 22, 18, 19},
+     {1.0, 5.2, 5.2, 3.0, 6.5, 5.3, 5.3, 5.9},
+     {7.8, 12.6, 4.7, 10.8, 10.5, 2.5, 7.0, 7.7}},
+}};
+
+std::size_t sweeps_in(const std::string& pattern) {
+  for (const SweepPattern& several : sweep_table()) {
+    if (pattern == several.name) return several.sweeps.size();
+  }
+  return 1;
+}
+
+int used_sections(const DividedScan& divided) {
+  std::set<int> frames;
+  for (const SpacePartition::Cell& cell : divided.partition.cells()) {
+    if (!cell.sweep) continue;
+    const auto sections = section_outlines(divided.scan.outlines.front(), divided.locator, divided.sweeps[*cell.sweep]);
+    for (const CrossSection& section : clip_sections(sections, divided.partition, cell.region)) {
+      frames.insert(section.frame);
+    }
+  }
+  return static_cast<int>(frames.size());
+}
+
+double error_percent(const std::optional<double>& measured_ml, double true_ml) {
+  if (!measured_ml) return std::numeric_limits<double>::quiet_NaN();
+  return 100.0 * (*measured_ml / true_ml - 1.0);
+}
+
+std::string cell_text(const char* format, double a, double b) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+}  // namespace
+
+DividedScan divided_scan(const SimulateOptions& options) {
+  SimulatedScan scan = simulate(options);
+  FrameLocator locator(*scan.recording, scan.calibration);
+  std::vector<Sweep> sweeps = find_sweeps(*scan.recording, locator);
+  const RecordingHeader& header = scan.recording->header();
+  std::vector<SweepShape> shapes;
+  for (const Sweep& sweep : sweeps) shapes.push_back(sweep_shape(sweep, locator, header.width, header.height));
+  SpacePartition partition = place_dividing_planes(std::move(shapes), nullptr);
+  return {std::move(scan), std::move(locator), std::move(sweeps), std::move(partition)};
+}
+
+double cut_off_mm(const DividedScan& divided) {
+  constexpr int kSamples = 100;  // along each line
+  double largest_mm = 0.0;
+  for (std::size_t i = 0; i < divided.sweeps.size(); ++i) {
+    for (const Contour& contour : divided.scan.outlines.front().contours) {
+      if (contour.closed || !contains(divided.sweeps[i], contour.frame)) continue;
+      const auto reference_from_image = divided.locator.reference_from_image(contour.frame);
+      if (!reference_from_image) continue;
+      const auto place = [&](const Eigen::Vector2d& point) -> Eigen::Vector3d {
+        return *reference_from_image * Eigen::Vector3d(point.x(), point.y(), 0.0);
+      };
+      const Eigen::Vector3d start_mm = place(contour.points_px.back());
+      const Eigen::Vector3d way_mm = place(contour.points_px.front()) - start_mm;
+      int used = 0;
+      for (int k = 0; k < kSamples; ++k) {
+        if (divided.partition.sweep_at(start_mm + (k + 0.5) / kSamples * way_mm) == i) ++used;
+      }
+      largest_mm = std::max(largest_mm, way_mm.norm() * used / kSamples);
+    }
+  }
+  return largest_mm;
+}
+
+SweepsMeasurement measure_sweeps(const std::string& object, const std::string& pattern, int frames) {
+  SimulateOptions options;
+  options.object = object;
+  options.pattern = pattern;
+  options.frames = frames;
+  const DividedScan divided = divided_scan(options);
+  const PartitionedVolume volume =
+      measure_partitions(divided.scan.outlines.front(), divided.locator, divided.sweeps, divided.partition);
+  const double true_ml = divided.scan.truth.volume_ml;
+  SweepsMeasurement result;
+  result.frames = frames;
+  result.sections = used_sections(divided);
+  result.linear_percent = error_percent(volume.total.linear_ml, true_ml);
+  result.cubic_percent = error_percent(volume.total.cubic_ml, true_ml);
+  result.cut_off_mm = cut_off_mm(divided);
+  for (const PartitionVolume& part : volume.partitions) result.missing_percent += 100.0 * part.missing_ml / true_ml;
+  return result;
+}
+
+std::vector<SweepsCell> published_sweeps_cells() {
+  std::vector<SweepsCell> cells;
+  for (const PublishedObject& printed : kPublished) {
+    for (std::size_t i = 0; i < printed.sections.size(); ++i) {
+      SweepsCell cell;
+      cell.object = printed.object;
+      cell.pattern = sweep_table()[i].name;
+      cell.published_sections = printed.sections[i];
+      cell.published_linear = printed.linear_percent[i];
+      cell.published_surface = printed.surface_percent[i];
+      cells.push_back(std::move(cell));
+    }
+  }
+  return cells;
+}
+
+SweepsCell measure_sweeps_cell(const SweepsCell& cell) {
+  SweepsCell result = cell;
+  const auto off = [&](const SweepsMeasurement& m) { return std::abs(m.sections - cell.published_sections); };
+  const int sweeps = static_cast<int>(sweeps_in(cell.pattern));
+  for (int frames = kFewestPerSweep * sweeps; frames <= kMostPerSweep * sweeps; ++frames) {
+    result.measurements.push_back(measure_sweeps(cell.object, cell.pattern, frames));
+  }
+  for (auto m = result.measurements.rbegin(); m != result.measurements.rend(); ++m) {
+    if (!(std::abs(m->cubic_percent) <= kGoalPercent)) break;
+    result.sustained = *m;
+  }
+  result.at_published = result.measurements.front();
+  for (const SweepsMeasurement& m : result.measurements) {
+    if (off(m) < off(result.at_published)) result.at_published = m;
+  }
+  return result;
+}
+
+std::string sweeps_table_text(const std::vector<SweepsCell>& cells) {
+  std::string text =
+      "| object | pattern | sections for +-2 %, sustained (published) | linear there, % (published) | cubic there, % "
+      "| linear, % with the published number of sections | cubic | missing, % | cubic, % with 23 frames per sweep |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const SweepsCell& cell : cells) {
+    text += "| " + cell.object + " | " + cell.pattern;
+    text += " | " + (cell.sustained ? std::to_string(cell.sustained->sections) : "-") + " (" +
+            std::to_string(cell.published_sections) + ")";
+    const SweepsMeasurement at = cell.sustained.value_or(SweepsMeasurement{});
+    text += cell_text(" | %+.1f (%.1f)", at.linear_percent, cell.published_linear);
+    text += cell_text(" | %+.2f | %+.1f", at.cubic_percent, cell.at_published.linear_percent);
+    text += cell_text(" | %+.2f | %.2f", cell.at_published.cubic_percent, cell.at_published.missing_percent);
+    text += cell_text(" | %+.2f |\n", cell.measurements.back().cubic_percent, 0.0);
+  }
+  return text;
+}
+
+}  // namespace fathom

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "measurement/partition_volume.h"
+#include "sim/simulate.h"
+
+namespace fathom {
+
+/// A simulated scan, its sweeps as found, and the dividing planes placed between them.
+struct DividedScan {
+  SimulatedScan scan;
+  FrameLocator locator;
+  std::vector<Sweep> sweeps;
+  SpacePartition partition;
+};
+
+/// Throws Error as simulate, find_sweeps and place_dividing_planes.
+DividedScan divided_scan(const SimulateOptions& options);
+
+/// How much of the straight line between an open contour's ends lies where its own sweep is used, the largest of all
+/// contours: part of the object is missing there, beyond the image's border.
+double cut_off_mm(const DividedScan& divided);
+
+/// What one number of frames gives.
+struct SweepsMeasurement {
+  int frames = 0;
+  int sections = 0;  ///< frames with a part of the object where their sweep is used: those that a person would outline
+  double linear_percent = 0.0;  ///< signed errors of the volume; not a number where there is no volume
+  double cubic_percent = 0.0;
+  /// Of the outlines that the image's border cuts, where this sweep is used: largest length of border within the
+  /// object. Above 0 the images do not show all that is to be measured in them.
+  double cut_off_mm = 0.0;
+  double missing_percent = 0.0;  ///< what measure_partitions estimates to be missing, of the true volume
+};
+
+SweepsMeasurement measure_sweeps(const std::string& object, const std::string& pattern, int frames);
+
+/// One cell of Treece 2000, table 4.1.
+struct SweepsCell {
+  std::string object;
+  std::string pattern;
+  int published_sections = 0;     ///< "< n" as n
+  double published_linear = 0.0;  ///< "> n" as n; no sign is printed
+  double published_surface = 0.0;
+  std::vector<SweepsMeasurement> measurements;  ///< of every number of frames within the limits
+  /// The fewest frames with which these and all larger numbers keep cubic planimetry within 2 %.
+  std::optional<SweepsMeasurement> sustained;
+  /// The measurement whose number of sections is nearest to the published one.
+  SweepsMeasurement at_published;
+};
+
+inline constexpr int kFewestPerSweep = 4;
+inline constexpr int kMostPerSweep = 23;
+
+/// Object and pattern of all 32 cells, with the published figures.
+std::vector<SweepsCell> published_sweeps_cells();
+
+/// Scans and measures. Takes object, pattern and the published figures from `cell`.
+SweepsCell measure_sweeps_cell(const SweepsCell& cell);
+
+/// As a table in Markdown, a line for each cell, published figures in brackets.
+std::string sweeps_table_text(const std::vector<SweepsCell>& cells);
+
+}  // namespace fathom
