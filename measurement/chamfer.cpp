@@ -8,8 +8,7 @@ constexpr std::int16_t kUnknown = 32767 - kChamferDiagonal;  // one more step mu
 
 std::int16_t plus(std::int16_t code, int step) { return static_cast<std::int16_t>(code + step); }
 
-// Paths that come from the row `from`. The ends of the row have no diagonal
-// neighbour on one side.
+// Paths that come from the row `from`. The ends of the row have no diagonal neighbour on one side.
 void spread_from_row(const std::int16_t* __restrict from, std::int16_t* __restrict to, int columns) {
   for (int i = 1; i + 1 < columns; ++i) {
     const std::int16_t diagonal = plus(std::min(from[i - 1], from[i + 1]), kChamferDiagonal);
@@ -41,9 +40,8 @@ std::vector<std::int16_t> chamfer_codes(const std::vector<std::uint8_t>& inside,
       if (here[i] != above[i]) row[i] = row_above[i] = kChamferBorder;
     }
   }
-  // Points beside each other on both sides of the outline both hold the least
-  // code there is, so that no path gains by crossing it and the signs can be
-  // left out.
+  // Points beside each other on both sides of the outline both hold the least code there is, so that no path gains by
+  // crossing it and the signs can be left out.
   for (int j = 0; j < raster.rows; ++j) {
     std::int16_t* row = &codes[raster.index(0, j)];
     if (j > 0) spread_from_row(row - columns, row, columns);

@@ -10,10 +10,8 @@
 
 namespace fathom {
 
-/// One layer of a lattice in the coordinates (a, b) of SectionPlane,
-/// millimetres. Through each of its samples runs a column of the lattice, which
-/// meets all other layers of the same parity between two sections at the same
-/// (a, b).
+/// One layer of a lattice in the coordinates (a, b) of SectionPlane, millimetres. Through each of its samples runs a
+/// column of the lattice, which meets all other layers of the same parity between two sections at the same (a, b).
 struct ColumnGrid {
   Eigen::Vector2d start_mm = Eigen::Vector2d::Zero();
   Eigen::Vector2d column_step_mm = Eigen::Vector2d::UnitX();

@@ -11,8 +11,7 @@ namespace fathom {
 
 namespace {
 
-// (One cell)^2 in chamfer units: keeps the weight of a perfect match finite.
-// The mu of equations (3.5) and (3.8).
+// (One cell)^2 in chamfer units: keeps the weight of a perfect match finite. The mu of equations (3.5) and (3.8).
 constexpr float kMu = kChamferStep * kChamferStep;
 
 // A disc on its way to a correspondence vector.
@@ -77,9 +76,8 @@ struct Sums {
   std::array<float, DiscGuide::kBlock> weight{}, ca{}, cb{}, apart{};
 };
 
-// Equations (3.8), (3.9) and the sums of (3.7) and (3.10). All arrays have
-// kBlock elements: the inner loop is over points and not over discs, so that it
-// needs no sum across a vector and its result no order of summation.
+// Equations (3.8), (3.9) and the sums of (3.7) and (3.10). All arrays have kBlock elements: the inner loop is over
+// points and not over discs, so that it needs no sum across a vector and its result no order of summation.
 void add_discs(const DiscGuide::Discs& discs, std::size_t from, std::size_t to, float cells_per_mm, const float* a_mm,
                const float* b_mm, const float* code, Sums& sums) {
   for (std::size_t k = from; k < to; ++k) {
@@ -157,8 +155,7 @@ void DiscGuide::correspondence(const Block& block, std::array<float, kBlock>& ca
   std::array<float, kBlock> code;
   ca_mm.fill(0.0F);
   cb_mm.fill(0.0F);
-  // The two sections' vectors point at each other, so that their average is
-  // half the difference.
+  // The two sections' vectors point at each other, so that their average is half the difference.
   for (std::size_t p = 0; p < kBlock; ++p) code[p] = first_scale_ * block.first_code[p];
   add_section(first_, cells_per_mm_, block.a_mm.data(), block.b_mm.data(), code.data(), 0.5F, ca_mm.data(),
               cb_mm.data());

@@ -15,9 +15,8 @@ struct Candidate {
   std::int16_t j;
 };
 
-// Whether the disc at p is not inside that of a neighbour. Neighbours across
-// the outline, whose codes are as small as those beside it, never stand in the
-// way.
+// Whether the disc at p is not inside that of a neighbour. Neighbours across the outline, whose codes are as small as
+// those beside it, never stand in the way.
 bool is_maximal(const std::int16_t* p, int columns) {
   const int straight = std::max({p[-1], p[1], p[-columns], p[columns]});
   const int diagonal = std::max({p[-columns - 1], p[-columns + 1], p[columns - 1], p[columns + 1]});

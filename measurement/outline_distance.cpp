@@ -75,8 +75,7 @@ class Propagation {
     }
   }
 
-  // Offers the nearest points of three neighbours in row `from` to every point
-  // of row `to`.
+  // Offers the nearest points of three neighbours in row `from` to every point of row `to`.
   void pass_on(int from, int to) {
     const int columns = raster_.columns;
     const float* fx = &x_[raster_.index(0, from)];

@@ -13,12 +13,10 @@ namespace fathom {
 
 namespace {
 
-// Millimetres. Where the planes cross there is no way from one to the other;
-// this keeps the weights finite there.
+// Millimetres. Where the planes cross there is no way from one to the other; this keeps the weights finite there.
 constexpr float kTouching = 1e-6F;
 
-// Cells. Bilinear interpolation of distances is off by less than this near
-// ridges, at both ends of an edge.
+// Cells. Bilinear interpolation of distances is off by less than this near ridges, at both ends of an edge.
 constexpr double kRidge = 2.0;
 
 constexpr double kSmallestSize = 1e-6;  // of a bounding box, millimetres: a point has none
@@ -36,9 +34,8 @@ double length_of(const Eigen::Vector2d& size_mm) {
 
 }  // namespace
 
-// Where the interpolation line through a point meets both planes, as parts of
-// the correspondence vector back to the first and on to the second, and the
-// weight of the second.
+// Where the interpolation line through a point meets both planes, as parts of the correspondence vector back to the
+// first and on to the second, and the weight of the second.
 struct SectionGap::Line {
   float back;
   float on;
@@ -68,11 +65,9 @@ float SectionGap::distance_mm(const PlacedSection& section, const Eigen::Vector2
   return is_absent(section) ? absent_mm_ : section.shape->distance_mm(ab_mm);
 }
 
-// Along the average normal the planes are `ahead_mm` apart at the point, and
-// `rise_mm` more at the far end of the correspondence vector. Laid on the plane
-// on which it points away from the point, the vector makes the line meet that
-// plane at the vector's own share, and the other plane nearer by ahead / (ahead
-// + |rise|). Figure 3.15.
+// Along the average normal the planes are `ahead_mm` apart at the point, and `rise_mm` more at the far end of the
+// correspondence vector. Laid on the plane on which it points away from the point, the vector makes the line meet that
+// plane at the vector's own share, and the other plane nearer by ahead / (ahead + |rise|). Figure 3.15.
 SectionGap::Line SectionGap::line(float ahead_mm, float rise_mm, float u) {
   const float apart = std::abs(ahead_mm) + kTouching;
   const float nearer = apart / (apart + std::abs(rise_mm));
@@ -123,8 +118,7 @@ Eigen::Vector2d SectionGap::correspondence_mm(const Eigen::Vector2d& ab_mm) cons
   return correspondences_mm({ab_mm}).front();
 }
 
-// A part and its partner, both scaled to the size that the structure has at u.
-// Treece 2000, section 3.5.
+// A part and its partner, both scaled to the size that the structure has at u. Treece 2000, section 3.5.
 float SectionGap::part_value_mm(const PartPair& pair, const Eigen::Vector2d& ab_mm, double u) const {
   const SectionPart& p = pair.first;
   const SectionPart& q = pair.second;

@@ -16,12 +16,10 @@
 
 namespace fathom {
 
-/// Along which lines the space between two sections is interpolated. Treece
-/// 2000, section 3.5.
+/// Along which lines the space between two sections is interpolated. Treece 2000, section 3.5.
 enum class Guide {
   kDiscs,      ///< maximal discs lead to corresponding parts: section 3.2
-  kCentroids,  ///< from the centroid of a part to that of its partner, scaled to
-               ///< its size
+  kCentroids,  ///< from the centroid of a part to that of its partner, scaled to its size
   kShape       ///< straight across: shape-based interpolation
 };
 
@@ -31,8 +29,7 @@ struct PlacedSection {
   std::shared_ptr<const SectionShape> shape;
 };
 
-/// What all layers of one parity between two sections have in common: made by
-/// SectionGap::prepare.
+/// What all layers of one parity between two sections have in common: made by SectionGap::prepare.
 class GapColumns {
  public:
   const ColumnGrid& grid() const { return grid_; }
@@ -57,30 +54,24 @@ class GapColumns {
   };
 
   ColumnGrid grid_;
-  std::vector<float> first_mm_;  // both sections' distances where a column meets
-                                 // them, or bounds of them far outside
+  // Both sections' distances where a column meets them, or bounds of them far outside.
+  std::vector<float> first_mm_;
   std::vector<float> second_mm_;
   std::vector<Guided> guided_;
 };
 
-/// The space between two successive sections, filled by interpolation of their
-/// distances.
+/// The space between two successive sections, filled by interpolation of their distances.
 ///
-/// A point of it is given by (a, b) and a fraction u: it lies at u on the
-/// straight line from (a, b) on the first plane, u = 0, to the same (a, b) on
-/// the second, u = 1. The planes may be at any angle below 180 degrees, and may
-/// cross. The interpolation line through the point leads by the correspondence
-/// vector from one plane to the other and meets them on either side of the
-/// point (figure 3.15); both distances are weighted by the lengths of its parts
-/// (3.11). Points on the planes have the distances of their sections, whatever
-/// the guide.
+/// A point of it is given by (a, b) and a fraction u: it lies at u on the straight line from (a, b) on the first plane,
+/// u = 0, to the same (a, b) on the second, u = 1. The planes may be at any angle below 180 degrees, and may cross. The
+/// interpolation line through the point leads by the correspondence vector from one plane to the other and meets them
+/// on either side of the point (figure 3.15); both distances are weighted by the lengths of its parts (3.11). Points on
+/// the planes have the distances of their sections, whatever the guide.
 ///
-/// Where one section is absent the structure tapers off: that plane counts as
-/// outside everywhere, by as much as the other section's deepest point is
-/// inside, so that the structure ends half-way. Where both are, all is outside.
+/// Where one section is absent the structure tapers off: that plane counts as outside everywhere, by as much as the
+/// other section's deepest point is inside, so that the structure ends half-way. Where both are, all is outside.
 ///
-/// Reading a gap from its other end gives the same field. Treece 2000,
-/// section 3.2.6.
+/// Reading a gap from its other end gives the same field. Treece 2000, section 3.2.6.
 class SectionGap {
  public:
   SectionGap(PlacedSection first, PlacedSection second, Guide guide);
@@ -101,13 +92,12 @@ class SectionGap {
   /// SectionShape::sample.
   void sample(const GapColumns& columns, double u, std::span<float> out) const;
 
-  /// Equation (3.12): 1 where the second plane lies ahead of the first along
-  /// the average normal, -1 where it lies behind, in a region that is swept
-  /// again and counts negative, 0 on the line where they cross.
+  /// Equation (3.12): 1 where the second plane lies ahead of the first along the average normal, -1 where it lies
+  /// behind, in a region that is swept again and counts negative, 0 on the line where they cross.
   int sweep_sign(const Eigen::Vector2d& ab_mm) const;
 
-  /// Where the point of the first section at (a, b) goes on the second,
-  /// relative to (a, b). Zero unless the guide is kDiscs.
+  /// Where the point of the first section at (a, b) goes on the second, relative to (a, b). Zero unless the guide is
+  /// kDiscs.
   Eigen::Vector2d correspondence_mm(const Eigen::Vector2d& ab_mm) const;
 
   /// The same for many points, faster.
@@ -146,9 +136,9 @@ class SectionGap {
   PlacedSection first_;
   PlacedSection second_;
   Guide guide_;
-  float absent_mm_ = 0.0F;           // the distance that stands for an absent section
-  double ahead_at_origin_mm_ = 0.0;  // how far the second plane lies ahead of
-                                     // the first is linear in (a, b)
+  float absent_mm_ = 0.0F;  // the distance that stands for an absent section
+  // How far the second plane lies ahead of the first is linear in (a, b).
+  double ahead_at_origin_mm_ = 0.0;
   Eigen::Vector2d ahead_slope_ = Eigen::Vector2d::Zero();
   std::optional<DiscGuide> discs_;
   std::vector<PartPair> pairs_;

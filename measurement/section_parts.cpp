@@ -61,8 +61,7 @@ bool lies_in(const Polygon& hole, const Polygon& outline) {
   return 2 * inside > hole.size();
 }
 
-// The part that a hole is in: the smallest around it, where parts are nested in
-// holes of others.
+// The part that a hole is in: the smallest around it, where parts are nested in holes of others.
 std::size_t smallest_around(const Polygon& hole, const std::vector<const Polygon*>& outlines,
                             const std::vector<Nesting>& nestings) {
   std::size_t best = outlines.size();

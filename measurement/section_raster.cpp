@@ -64,16 +64,14 @@ SectionRaster section_raster(std::span<const Polygon> outlines_mm, double cell_m
 }
 
 std::vector<std::uint8_t> inside_outlines(std::span<const Polygon> outlines, const SectionRaster& raster) {
-  // Every crossing of an outline with a row flips all that lies to the right of
-  // it.
+  // Every crossing of an outline with a row flips all that lies to the right of it.
   std::vector<std::uint8_t> inside(raster.size(), 0);
   for (const Polygon& outline : outlines) {
     Eigen::Vector2d from = outline.back();
     for (const Eigen::Vector2d& to : outline) {
       const Eigen::Vector2d& low = from.y() < to.y() ? from : to;
       const Eigen::Vector2d& high = from.y() < to.y() ? to : from;
-      // A point at a row belongs to what lies above it, so that corners are
-      // counted once.
+      // A point at a row belongs to what lies above it, so that corners are counted once.
       const int first = std::max(0, static_cast<int>(std::ceil(low.y())));
       const int end = std::min(raster.rows, static_cast<int>(std::ceil(high.y())));
       const double slope = first < end ? (high.x() - low.x()) / (high.y() - low.y()) : 0.0;

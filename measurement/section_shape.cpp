@@ -93,8 +93,7 @@ SectionShape::SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster
   inside_discs_ = maximal_discs(codes_, inside, 1, raster_, nearest);
   outside_discs_ = maximal_discs(codes_, inside, 0, raster_, nearest);
   if (inside_discs_.empty()) {
-    // Too small for the raster: it still leads to its partners on neighbouring
-    // planes, like a point.
+    // Too small for the raster: it still leads to its partners on neighbouring planes, like a point.
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (const Eigen::Vector2d& point : outlines_mm_.front()) middle += point;
     middle /= static_cast<double>(outlines_mm_.front().size());

@@ -21,32 +21,26 @@ enum class SectionKind {
   kAbsent  ///< it was looked for and is not there
 };
 
-/// A cross-section as its distances: made once for a section, shared by the
-/// gaps on both sides of it, never changed.
+/// A cross-section as its distances: made once for a section, shared by the gaps on both sides of it, never changed.
 ///
-/// Two fields are kept on the raster, positive inside and negative outside. The
-/// chamfer code (10 a cell across, 14 diagonally, +-5 beside the outline) gives
-/// maximal discs and is what correspondences are judged by. The distance, in
-/// millimetres, is interpolated: it is Euclidean and, near the outline, exact,
-/// so that its zero level follows the drawn line to second order in the cell
-/// size where that of the code follows it to half a cell.
+/// Two fields are kept on the raster, positive inside and negative outside. The chamfer code (10 a cell across, 14
+/// diagonally, +-5 beside the outline) gives maximal discs and is what correspondences are judged by. The distance, in
+/// millimetres, is interpolated: it is Euclidean and, near the outline, exact, so that its zero level follows the drawn
+/// line to second order in the cell size where that of the code follows it to half a cell.
 ///
-/// All coordinates are (a, b) of SectionPlane in millimetres. Treece 2000,
-/// sections 3.2.2 and 3.2.3.
+/// All coordinates are (a, b) of SectionPlane in millimetres. Treece 2000, sections 3.2.2 and 3.2.3.
 class SectionShape {
  public:
   /// Not there.
   SectionShape() = default;
 
-  /// Touched at a point. Its one disc has the smallest radius, half a cell.
-  /// Throws Error when a number is not finite or the cell not positive.
+  /// Touched at a point. Its one disc has the smallest radius, half a cell. Throws Error when a number is not finite or
+  /// the cell not positive.
   SectionShape(const Eigen::Vector2d& point_mm, double cell_mm);
 
-  /// Outlined by polygons that combine by even-odd and do not cross
-  /// (`outline_fault`). `raster` must reach at least one cell beyond them, as
-  /// that of `section_raster` does. Throws Error when there is no polygon, one
-  /// has fewer than three points or a coordinate that is not finite, or the
-  /// raster is too small or too large for them.
+  /// Outlined by polygons that combine by even-odd and do not cross (`outline_fault`). `raster` must reach at least one
+  /// cell beyond them, as that of `section_raster` does. Throws Error when there is no polygon, one has fewer than
+  /// three points or a coordinate that is not finite, or the raster is too small or too large for them.
   SectionShape(std::vector<Polygon> outlines_mm, const SectionRaster& raster);
 
   SectionKind kind() const { return kind_; }
@@ -54,8 +48,8 @@ class SectionShape {
   const SectionRaster& raster() const { return raster_; }
   const std::vector<Polygon>& outlines_mm() const { return outlines_mm_; }
 
-  /// The signed distance at any point, on the raster or not, bilinear between
-  /// the raster's points. Not for an absent section.
+  /// The signed distance at any point, on the raster or not, bilinear between the raster's points. Not for an absent
+  /// section.
   float distance_mm(const Eigen::Vector2d& ab_mm) const { return distance_at_mm(in_cells(ab_mm)); }
 
   /// The same for loops that know where they are in cells, from the raster's origin.
@@ -68,12 +62,11 @@ class SectionShape {
   /// would hold, by equations (3.1) and (3.2); between them it is continuous. Not for an absent section.
   float code(const Eigen::Vector2d& ab_mm) const;
 
-  /// Distances at all points of a grid, `grid.size()` of them: the layer of a
-  /// lattice that lies on this section's plane.
+  /// Distances at all points of a grid, `grid.size()` of them: the layer of a lattice that lies on this section's
+  /// plane.
   void sample(const ColumnGrid& grid, std::span<float> out) const;
 
-  /// How far a point off the raster is outside of the outline at least; 0 on
-  /// the raster.
+  /// How far a point off the raster is outside of the outline at least; 0 on the raster.
   float least_outside_mm(const Eigen::Vector2d& ab_mm) const;
 
   const std::vector<Disc>& inside_discs() const { return inside_discs_; }

@@ -1,6 +1,5 @@
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -40,19 +39,19 @@ TEST(ContourSurface, OfABallIsOfFirstOrderTheStackOfConesThroughItsSections) {
 }
 
 // Linear interpolation of a ball from pole to pole loses exactly what cones between its circles lose: 0.95 % through 20
-// planes whatever the radius, 3.7 % of a radius of 36 pixels on every eighth slice. The second order leaves half of it
-// or less, all of that in the outermost gaps.
+// planes whatever the radius, 3.7 % of a radius of 36 pixels on every eighth slice. The second order leaves 0.40 %
+// and 1.45 %, all of that in the outermost gaps.
 struct BallScan {
   double radius;
   std::vector<double> places;
   double linear_percent;
-  double most_curved_percent;
+  double curved_percent;
 };
 
 class LinearBias : public testing::TestWithParam<BallScan> {};
 INSTANTIATE_TEST_SUITE_P(Balls, LinearBias,
-                         testing::Values(BallScan{10.0, evenly(-10.0, 10.0, 20), -0.95, 0.5},
-                                         BallScan{36.0, evenly(-36.0, 36.0, 10), -3.74, 2.0}));
+                         testing::Values(BallScan{10.0, evenly(-10.0, 10.0, 20), -0.95, -0.40},
+                                         BallScan{36.0, evenly(-36.0, 36.0, 10), -3.74, -1.45}));
 
 TEST_P(LinearBias, IsThatOfConesAndTheSecondOrderBeatsIt) {
   const BallScan& scan = GetParam();
@@ -74,9 +73,8 @@ TEST_P(LinearBias, IsThatOfConesAndTheSecondOrderBeatsIt) {
     surface.update(structure);
     percent[static_cast<std::size_t>(order)] = 100.0 * (*surface.volume_ml() / truth_ml - 1.0);
   }
-  std::printf("radius %.0f: linear %+.2f %%, curved %+.2f %%\n", scan.radius, percent[0], percent[1]);
   EXPECT_NEAR(percent[0], scan.linear_percent, 0.1);
-  EXPECT_LT(std::abs(percent[1]), scan.most_curved_percent);
+  EXPECT_NEAR(percent[1], scan.curved_percent, 0.1);
 }
 
 TEST(ContourSurface, OfSecondOrderIsNotGuidedByCentroids) {

@@ -124,23 +124,30 @@ TEST(SectionGap, SamplesAreTheFieldWhereverTheSurfaceIs) {
   }
 }
 
+// Wherever they lie on the raster.
 TEST(SectionGap, TwoNearObjectsMergeByShapeAndNotByDiscs) {
-  const auto bridged = [](Guide guide) {
+  const auto bridged = [](Guide guide, double aside_mm) {
+    const auto placed = [&](double z) {
+      std::vector<Polygon> outlines = bladder_and_prostate(z);
+      for (Polygon& outline : outlines) {
+        for (Eigen::Vector2d& point : outline) point.x() += aside_mm;
+      }
+      return PlacedSection{plane_at(z), shape_of(outlines, 0.55)};
+    };
     int count = 0;
-    const SectionGap gap({plane_at(0.0), shape_of(bladder_and_prostate(0.0), 0.5)},
-                         {plane_at(10.0), shape_of(bladder_and_prostate(10.0), 0.5)}, guide);
+    const SectionGap gap(placed(0.0), placed(10.0), guide);
     for (const double u : {0.25, 0.5, 0.75}) {
       // Along the line between both middles something must be outside.
-      const Eigen::Vector2d from(-17.0 * u, 0.0);
-      const Eigen::Vector2d to(35.0 - 17.0 * u, 0.0);
+      const Eigen::Vector2d from(aside_mm - 17.0 * u, 0.0);
+      const Eigen::Vector2d to(aside_mm + 35.0 - 17.0 * u, 0.0);
       bool parted = false;
       for (int s = 0; s <= 200; ++s) parted = parted || gap.value_mm(from + s / 200.0 * (to - from), u) < 0.0F;
       count += parted ? 0 : 1;
     }
     return count;
   };
-  EXPECT_GT(bridged(Guide::kShape), 0);
-  EXPECT_EQ(bridged(Guide::kDiscs), 0);
+  EXPECT_GT(bridged(Guide::kShape, 0.0), 0);
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(bridged(Guide::kDiscs, 80.0 - 0.437 * i), 0) << i;
 }
 
 TEST(SectionGap, HolesGoOn) {
