@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,11 +9,9 @@
 #include "cli/mesh_output.h"
 #include "cli/options.h"
 #include "cli/output.h"
-#include "core/atomic_file.h"
 #include "core/numbers.h"
 #include "surface/equation.h"
 #include "surface/isosurface.h"
-#include "surface/mesh_file.h"
 
 namespace fathom {
 
@@ -23,9 +20,8 @@ namespace {
 struct EqnsurfCommand {
   std::string equation;
   std::string bounds;
-  std::string out;
   IsosurfaceOptions surface;
-  bool json = false;
+  MeshOutput output;
 };
 
 // Six numbers between commas, three rising pairs; empty where the text is anything else.
@@ -49,19 +45,14 @@ CLI::Validator six_bounds() {
 }
 
 void run(const EqnsurfCommand& command) {
-  require_mesh_name(command.out);
-  AtomicFile file(command.out);
-  const Equation equation(command.equation);
-  const RowField field = [&equation](const Eigen::Vector3d& start_mm, const Eigen::Vector3d& step_mm,
-                                     std::span<double> values) { equation.values(start_mm, step_mm, values); };
-  const auto began = std::chrono::steady_clock::now();
-  const Mesh mesh = isosurface(field, parse_bounds(command.bounds).value(), command.surface, progress_bar("meshing"));
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-  MeshReport report = report_of(mesh, "--cap closes it along the bounds, or choose wider ones");
-  report.seconds = took.count();
-  write_mesh(mesh, file);
-  file.commit();
-  print_mesh_report(report, command.out, command.json);
+  make_mesh(command.output, "--cap closes it along the bounds, or choose wider ones", [&command] {
+    const auto equation = std::make_shared<const Equation>(command.equation);
+    return [&command, equation] {
+      const RowField field = [&equation](const Eigen::Vector3d& start_mm, const Eigen::Vector3d& step_mm,
+                                         std::span<double> values) { equation->values(start_mm, step_mm, values); };
+      return isosurface(field, parse_bounds(command.bounds).value(), command.surface, progress_bar("meshing"));
+    };
+  });
 }
 
 }  // namespace
@@ -84,8 +75,7 @@ void add_eqnsurf(CLI::App& app) {
   command->add_option("--threshold", surface.value, "Inside is below this value instead of 0")->check(finite());
   command->add_flag("--cap", surface.cap, "Close the surface along the bounds");
   add_mesher_options(*command, surface.mesher);
-  command->add_option("--out", options->out, "The mesh to write: .ply, .stl, .obj, .off or .wrl")->required();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  add_mesh_output_options(*command, options->output);
   command->footer(
       "Equations are made of x, y, z, numbers, pi, e, + - * / ^ ( ),\ncomparisons (< <= > >= == != && ||), a ? b : c, "
       "and\n" +

@@ -1,6 +1,5 @@
 #include "surface/isosurface.h"
 
-#include <chrono>
 #include <map>
 #include <memory>
 #include <string>
@@ -11,11 +10,9 @@
 #include "cli/mesh_output.h"
 #include "cli/options.h"
 #include "cli/output.h"
-#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "segmentation/morphology.h"
-#include "surface/mesh_file.h"
 
 namespace fathom {
 
@@ -23,11 +20,10 @@ namespace {
 
 struct IsosurfaceCommand {
   std::string volume;
-  std::string out;
   IsosurfaceOptions surface;
   double open_mm = 0.0;  // 0: not
   double close_mm = 0.0;
-  bool json = false;
+  MeshOutput output;
 };
 
 // To open what is inside is to close what is outside, where inside means dark.
@@ -55,17 +51,10 @@ Mesh mesh_of(Volume volume, const IsosurfaceCommand& command) {
 }
 
 void run(const IsosurfaceCommand& command) {
-  require_mesh_name(command.out);
-  AtomicFile file(command.out);
-  Volume volume = read_volume(command.volume, progress_bar("reading"));
-  const auto began = std::chrono::steady_clock::now();
-  const Mesh mesh = mesh_of(std::move(volume), command);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-  MeshReport report = report_of(mesh, "--cap closes it along the border of the volume");
-  report.seconds = took.count();
-  write_mesh(mesh, file);
-  file.commit();
-  print_mesh_report(report, command.out, command.json);
+  make_mesh(command.output, "--cap closes it along the border of the volume", [&command] {
+    const Volume volume = read_volume(command.volume, progress_bar("reading"));
+    return [&command, volume] { return mesh_of(volume, command); };
+  });
 }
 
 }  // namespace
@@ -96,8 +85,7 @@ void add_isosurface(CLI::App& app) {
                    "Distance of the lattice's layers (default: the smallest distance of voxels)")
       ->check(above(0));
   add_mesher_options(*command, surface.mesher);
-  command->add_option("--out", options->out, "The mesh to write: .ply, .stl, .obj, .off or .wrl")->required();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  add_mesh_output_options(*command, options->output);
   command->callback([options] { run(*options); });
 }
 

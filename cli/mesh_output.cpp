@@ -1,9 +1,11 @@
 #include "cli/mesh_output.h"
 
+#include <chrono>
 #include <iostream>
 #include <map>
 
 #include "cli/output.h"
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "surface/mesh_check.h"
 #include "surface/mesh_file.h"
@@ -104,6 +106,26 @@ void print_mesh_report(const MeshReport& report, const std::string& written_to, 
                {"seconds", number_text(report.seconds, 3)}});
   std::cout << "written to " << written_to << "\n";
   for (const std::string& warning : report.warnings) std::cout << "warning: " << warning << "\n";
+}
+
+void add_mesh_output_options(CLI::App& command, MeshOutput& output) {
+  command.add_option("--out", output.path, "The mesh to write: .ply, .stl, .obj, .off or .wrl")->required();
+  command.add_flag("--json", output.json, "Print one JSON object");
+}
+
+void make_mesh(const MeshOutput& output, const std::string& how_to_close,
+               const std::function<std::function<Mesh()>()>& prepare) {
+  require_mesh_name(output.path);
+  AtomicFile file(output.path);
+  const std::function<Mesh()> make = prepare();
+  const auto began = std::chrono::steady_clock::now();
+  const Mesh mesh = make();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  MeshReport report = report_of(mesh, how_to_close);
+  report.seconds = took.count();
+  write_mesh(mesh, file);
+  file.commit();
+  print_mesh_report(report, output.path, output.json);
 }
 
 }  // namespace fathom

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,5 +41,19 @@ nlohmann::ordered_json mesh_report_json(const MeshReport& report);
 
 /// Prints what --json asks for, else the same for people: a table, the file that was written, and the warnings.
 void print_mesh_report(const MeshReport& report, const std::string& written_to, bool json);
+
+/// Where a command's one mesh goes and how it is reported.
+struct MeshOutput {
+  std::string path;
+  bool json = false;
+};
+
+/// Adds `--out` and `--json`.
+void add_mesh_output_options(CLI::App& command, MeshOutput& output);
+
+/// Opens the file, before the work begins; `prepare` reads what is needed and gives back what makes the mesh, which is
+/// timed; then measures the mesh, writes and reports it. Nothing is written where something throws.
+void make_mesh(const MeshOutput& output, const std::string& how_to_close,
+               const std::function<std::function<Mesh()>()>& prepare);
 
 }  // namespace fathom

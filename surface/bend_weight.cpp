@@ -19,9 +19,11 @@ Eigen::Vector3d regular(const LatticeStep& step) {
 struct EdgePlane {
   int b = 0;
   int c = 0;
-  double cos_b = 0.0;  // of the angle between the edge and the neighbour
-  double cos_c = 0.0;
-  double ratio_b = 0.0;  // length of the edge by that of the neighbour
+  // Of the angle between the edge and the neighbour: its cotangent, and the length of the edge by that of the neighbour
+  // by its sine.
+  double cot_b = 0.0;
+  double cot_c = 0.0;
+  double ratio_b = 0.0;
   double ratio_c = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
@@ -51,10 +53,10 @@ std::array<EdgePlanes, kLatticeEdges> make_edge_planes() {
       plane.c = circle[static_cast<std::size_t>(i + planes.count)];
       const Eigen::Vector3d b = regular(kLatticeSteps[static_cast<std::size_t>(plane.b)]);
       const Eigen::Vector3d c = regular(kLatticeSteps[static_cast<std::size_t>(plane.c)]);
-      plane.cos_b = edge.dot(b) / (edge.norm() * b.norm());
-      plane.cos_c = edge.dot(c) / (edge.norm() * c.norm());
-      plane.ratio_b = edge.norm() / b.norm();
-      plane.ratio_c = edge.norm() / c.norm();
+      plane.cot_b = edge.dot(b) / edge.cross(b).norm();
+      plane.cot_c = edge.dot(c) / edge.cross(c).norm();
+      plane.ratio_b = edge.squaredNorm() / edge.cross(b).norm();
+      plane.ratio_c = edge.squaredNorm() / edge.cross(c).norm();
       plane.normal = edge.cross(b).normalized();
     }
   }
@@ -70,24 +72,23 @@ constexpr double kFlatWeight = 0.25;
 double bend_weight(const Star& star, int edge, const Eigen::Vector3d& normal) {
   static const std::array<EdgePlanes, kLatticeEdges> all = make_edge_planes();
   const EdgePlanes& planes = all[static_cast<std::size_t>(edge)];
-  const double fall = star.centre - star.value[static_cast<std::size_t>(edge)];
-  double most = 0.0;
+  const double per_fall = 1.0 / (star.centre - star.value[static_cast<std::size_t>(edge)]);
+  double most = 0.0;  // of the squares
   for (int i = 0; i < planes.count; ++i) {
     const EdgePlane& plane = planes.planes[static_cast<std::size_t>(i)];
     if (!has_edge(star.there, plane.b) || !has_edge(star.there, plane.c)) continue;
     // Cotangents of the angles that the surface makes with the edge in the two triangles.
-    const auto cotangent = [&](int other, double cosine, double ratio) {
-      const double relative = (star.centre - star.value[static_cast<std::size_t>(other)]) / fall * ratio;
-      return (relative - cosine) / std::sqrt(1.0 - cosine * cosine);
+    const auto cotangent = [&](int other, double cot, double ratio) {
+      return (star.centre - star.value[static_cast<std::size_t>(other)]) * per_fall * ratio - cot;
     };
-    const double b = cotangent(plane.b, plane.cos_b, plane.ratio_b);
-    const double c = cotangent(plane.c, plane.cos_c, plane.ratio_c);
+    const double b = cotangent(plane.b, plane.cot_b, plane.ratio_b);
+    const double c = cotangent(plane.c, plane.cot_c, plane.ratio_c);
     // |cot(alpha / 2)| with alpha = theta_b + theta_c; 0 where the surface is flat.
-    const double bend = std::abs(b + c) / (std::sqrt((1.0 + b * b) * (1.0 + c * c)) - b * c + 1.0);
+    const double bend = (b + c) / (std::sqrt((1.0 + b * b) * (1.0 + c * c)) - b * c + 1.0);
     const double out_of_plane = normal.dot(plane.normal);
-    most = std::max(most, bend * std::sqrt(std::max(0.0, 1.0 - out_of_plane * out_of_plane)));
+    most = std::max(most, bend * bend * std::max(0.0, 1.0 - out_of_plane * out_of_plane));
   }
-  return kFlatWeight + most;
+  return kFlatWeight + std::sqrt(most);
 }
 
 }  // namespace fathom

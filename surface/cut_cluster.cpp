@@ -62,6 +62,8 @@ struct Ring {
 
   int length = 0;  // 0 where they are not one circle, since the patch is not a disc
   std::array<Step, kMostSteps> steps;
+
+  std::span<const Step> all() const { return std::span(steps).first(static_cast<std::size_t>(length)); }
 };
 
 Ring ring_around(EdgeMask cluster, const LinkTable& link) {
@@ -114,12 +116,9 @@ class Rings {
   std::vector<Ring::Step> steps_;
 };
 
-// The ring around a cluster; `own` keeps it where it is not of a table.
-std::span<const Ring::Step> find_ring(EdgeMask cluster, Link link, Ring& own) {
+std::span<const Ring::Step> inner_ring(EdgeMask cluster) {
   static const Rings rings;
-  if (link == Link::kInner) return rings.around(cluster);
-  own = ring_around(cluster, link_table(link));
-  return std::span<const Ring::Step>(own.steps).first(static_cast<std::size_t>(own.length));
+  return rings.around(cluster);
 }
 
 constexpr unsigned kBorder = kLatticeEdges;
@@ -133,11 +132,7 @@ unsigned label_of(const Ring::Step& step, EdgeMask cut, const Star& star) {
   return near_x ? x : y;
 }
 
-}  // namespace
-
-bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link) {
-  Ring own;
-  const std::span<const Ring::Step> ring = find_ring(cluster, link, own);
+bool may_become_one(std::span<const Ring::Step> ring, EdgeMask cut, const Star& star) {
   if (ring.empty()) return false;
 
   // The diagonal of a quadrilateral leads from a cut of the cluster, OX, past a cut beside it, OY, to PY, which then is
@@ -172,10 +167,19 @@ bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link) {
   return whole_twice == 0 && label_runs >= 3 && label_runs == static_cast<unsigned>(count_ones(labels));
 }
 
+}  // namespace
+
+bool collapsible(EdgeMask cluster, EdgeMask cut, const Star& star, Link link) {
+  if (link == Link::kInner) return may_become_one(inner_ring(cluster), cut, star);
+  const Ring ring = ring_around(cluster, link_table(link));
+  return may_become_one(ring.all(), cut, star);
+}
+
 bool has_chord(EdgeMask cluster, EdgeMask cut, const Star& star, Link link, const Wall& wall) {
   if ((cluster & wall.within) == 0) return false;
-  Ring own;
-  const std::span<const Ring::Step> ring = find_ring(cluster, link, own);
+  const Ring whole = ring_around(cluster, link_table(link));
+  const std::span<const Ring::Step> ring = whole.all();
+  if (ring.empty()) return false;
   const auto on_wall = [&wall](unsigned label) {
     return label != kBorder && has_edge(wall.within, static_cast<int>(label));
   };

@@ -9,17 +9,17 @@ namespace fathom {
 namespace {
 
 // The four short edges to one side of a sample along its row, in a circle.
-std::array<int, 4> circle(int m) {
+constexpr std::array<int, 4> circle(int m) {
   return {edge_along({m, -1, 0}), edge_along({m, 0, -1}), edge_along({m, 1, 0}), edge_along({m, 0, 1})};
 }
 
-void remove_triangle(LinkTable& table, int a, int b, int c) {
+constexpr void remove_triangle(LinkTable& table, int a, int b, int c) {
   for (const auto& [x, y] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
     table.left[static_cast<std::size_t>(x)][static_cast<std::size_t>(y)] = -1;
   }
 }
 
-void add_triangle(LinkTable& table, int a, int b, int c) {
+constexpr void add_triangle(LinkTable& table, int a, int b, int c) {
   const std::array<int, 3> corners = {a, b, c};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto x = static_cast<std::size_t>(corners[i]);
@@ -30,7 +30,7 @@ void add_triangle(LinkTable& table, int a, int b, int c) {
   }
 }
 
-LinkTable inner() {
+constexpr LinkTable inner() {
   LinkTable table;
   table.next = kNextEdges;
   table.left = kLeftOf;
@@ -38,7 +38,7 @@ LinkTable inner() {
 }
 
 // The edges to two neighbours that were drawn in are no longer next to each other: what is beyond the face is between.
-LinkTable on_face(int outward) {
+constexpr LinkTable on_face(int outward) {
   LinkTable table = inner();
   table.beyond = edge_along({2 * outward, 0, 0});
   const std::array<int, 4> drawn_in = circle(outward);
@@ -68,7 +68,7 @@ LinkTable on_face(int outward) {
 
 // A sample that was drawn in: an octahedron of the next one of its row, the four beside it on the face, and what is
 // beyond.
-LinkTable between(int outward) {
+constexpr LinkTable between(int outward) {
   LinkTable table;
   for (auto& row : table.left) row.fill(-1);
   table.beyond = edge_along({2 * outward, 0, 0});
@@ -88,9 +88,6 @@ LinkTable between(int outward) {
 
 }  // namespace
 
-const LinkTable& link_table(Link link) {
-  static const std::array<LinkTable, kLinks> tables = {inner(), on_face(-1), between(-1), on_face(1), between(1)};
-  return tables[static_cast<std::size_t>(link)];
-}
+constinit const std::array<LinkTable, kLinks> kLinkTables = {inner(), on_face(-1), between(-1), on_face(1), between(1)};
 
 }  // namespace fathom

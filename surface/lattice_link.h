@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "surface/body_centred.h"
@@ -26,7 +27,8 @@ struct LinkTable {
   int beyond = -1;  ///< the edge across the face, if it is on one
 };
 
-const LinkTable& link_table(Link link);
+extern const std::array<LinkTable, kLinks> kLinkTables;
+inline const LinkTable& link_table(Link link) { return kLinkTables[static_cast<std::size_t>(link)]; }
 
 /// That of a sample on a face: on which, and whether the lattice has it there.
 constexpr Link face_link(bool high, bool on) {

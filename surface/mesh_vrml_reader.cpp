@@ -11,84 +11,14 @@
 #include "surface/mesh_builder.h"
 #include "surface/mesh_text.h"
 #include "surface/mesh_vrml.h"
+#include "surface/vrml_tokens.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr std::size_t kLongestWord = 1'000;     // bytes of a name or number
 constexpr std::size_t kMostNames = 100'000;     // of vertices, by DEF
 constexpr std::size_t kDeepestNesting = 1'000;  // of nodes
-
-/// A text's words and brackets.
-class Tokens {
- public:
-  explicit Tokens(MeshSource& source) : source_(source) {}
-
-  /// The next token: one of "{}[]", a text in quotes (shown as "\""), or a word; empty at the end of the file.
-  const std::string& next() {
-    token_.clear();
-    auto c = skip_space();
-    if (!c) return token_;
-    if (is_bracket(*c)) {
-      source_.skip();
-      return token_ = *c;
-    }
-    if (*c == '"') {
-      skip_text();
-      return token_ = '"';
-    }
-    while (c && !is_space(*c) && !is_bracket(*c) && *c != '"' && *c != '#') {
-      if (token_.size() == kLongestWord) fail("holds a word of more than 1000 bytes; the file is damaged");
-      token_ += *c;
-      source_.skip();
-      c = source_.peek();
-    }
-    return token_;
-  }
-
-  void expect(std::string_view expected) {
-    if (next() != expected) {
-      if (token_.empty()) source_.fail_cut_short();
-      fail("has \"" + printable(token_) + "\" in place of \"" + std::string(expected) + "\"; write the mesh anew");
-    }
-  }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    source_.fail("line " + std::to_string(source_.line_number() + 1) + " " + what);
-  }
-
- private:
-  static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ','; }
-  static bool is_bracket(char c) { return c == '{' || c == '}' || c == '[' || c == ']'; }
-
-  std::optional<char> skip_space() {
-    auto c = source_.peek();
-    while (c && (is_space(*c) || *c == '#')) {
-      const bool is_comment = *c == '#';
-      source_.skip();
-      c = source_.peek();
-      while (is_comment && c && *c != '\n') {
-        source_.skip();
-        c = source_.peek();
-      }
-    }
-    return c;
-  }
-
-  void skip_text() {
-    source_.skip();
-    while (const auto c = source_.peek()) {
-      source_.skip();
-      if (*c == '"') return;
-      if (*c == '\\' && source_.peek()) source_.skip();
-    }
-    source_.fail_cut_short();
-  }
-
-  MeshSource& source_;
-  std::string token_;
-};
 
 /// Where vertices or normals of one node lie among all that were read.
 struct Range {
@@ -322,7 +252,7 @@ class VrmlReader {
   }
 
   MeshSource& source_;
-  Tokens tokens_;
+  VrmlTokens tokens_;
   MeshBuilder builder_;
   std::map<std::string, Range> vertex_names_;
   std::map<std::string, Range> normal_names_;

@@ -76,6 +76,7 @@ class VertexMaker {
                                                   other.row_step - layer_.samples->row_step};
     }
     parallel_ = geometry_.next_per_m.isZero(0.0) && geometry_.next_per_j.isZero(0.0);
+    at_end_ = !below || !above;
     if (parallel_) normal_of_change_ = geometry_.outward_map(0.0, 0.0);
   }
 
@@ -100,16 +101,23 @@ class VertexMaker {
 
  private:
   void add_vertex(const CutSample& sample, const Star& star, EdgeMask cuts, bool kept) {
-    const Walls walls(layer_, around_.at(-1), around_.at(1), sample, star);
-    cuts = walls.bound(cuts);
+    const bool at_border = at_end_ || sample.row <= 1 || sample.row + 2 >= layer_.samples->rows || sample.column <= 1 ||
+                           sample.column + 2 >= layer_.samples->columns;
+    if (at_border) {
+      const Walls walls(layer_, around_.at(-1), around_.at(1), sample, star);
+      place_vertex<true>(sample, star, walls.bound(cuts), kept, walls);
+    } else {
+      place_vertex<false>(sample, star, cuts, kept, Walls());
+    }
+  }
+
+  template <bool at_border>
+  void place_vertex(const CutSample& sample, const Star& star, EdgeMask cuts, bool kept, const Walls& walls) {
     const Vector3 own_change = as_vector(sample.change);
     const bool weigh = placement_ == VertexPlacement::kCurvature && (cuts & (cuts - 1)) != 0;
     const Eigen::Vector3d normal = weigh ? unit(steepest(own_change)) : Eigen::Vector3d::Zero();
     CutSum sum;
     const Vector4 own = as_array(own_change);
-    // Samples on flat sides have edges that are shorter than others, and so do their neighbours.
-    const bool at_side =
-        layer_.samples->flat_sides && (sample.column <= 1 || sample.column + 2 >= layer_.samples->columns);
     Vector4 all_changes = Vector4::Zero();
     float weights = 0.0F;
     int count = 0;
@@ -121,13 +129,17 @@ class VertexMaker {
     for (EdgeMask rest = cuts; rest != 0; rest = static_cast<EdgeMask>(rest & (rest - 1))) {
       const auto e = static_cast<std::size_t>(std::countr_zero(rest));
       const float there = star.value[e];
-      const float t = there == kFarOutside ? cap_cut : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
-      const Vector4 change = Vector4((1.0F - t) * own + t * change_at_end(sample, static_cast<int>(e), own));
+      const float t = at_border && there == kFarOutside
+                          ? cap_cut
+                          : std::clamp(star.centre / (star.centre - there), kLeastCut, 0.5F);
+      const Vector4 change = (1.0F - t) * own + t * change_at_end<at_border>(sample, static_cast<int>(e), own);
       all_changes += change;
       ++count;
       Vector4 step = kOneAndStep[e];
-      if (at_side && static_cast<int>(e) != side_edge)
+      // Samples on flat sides have edges that are shorter than others, and so do their neighbours.
+      if (at_border && static_cast<int>(e) != side_edge) {
         step[1] = static_cast<float>(step_along(layer_, sample.row, sample.column, static_cast<int>(e)));
+      }
       const Vector4 way = t * step;
       const Vector4 height = change * way;
       heights += height[1] + (height[2] + height[3]);
@@ -152,11 +164,12 @@ class VertexMaker {
   }
 
   // The change of the field at the end of an edge that is cut; `own` where that end is made up.
+  template <bool at_border>
   Vector4 change_at_end(const CutSample& sample, int edge, const Vector4& own) const {
-    if (edge == link_table(sample.link).beyond) return own;
+    if (at_border && edge == link_table(sample.link).beyond) return own;
     const EdgeEnd end = edge_end(layer_, sample.row, sample.column, edge);
     const CutSample& other = around_.at(end.layer_step)->cut(end.row, end.column);
-    return other.made_up ? own : as_array(as_vector(other.change));
+    return at_border && other.made_up ? own : as_array(as_vector(other.change));
   }
 
   static constexpr bool kRaise = true;
@@ -226,6 +239,7 @@ class VertexMaker {
   LayerMesh& mesh_;
   LayerGeometry geometry_;
   std::array<Way, 3> way_;
+  bool at_end_ = false;
   bool parallel_ = false;  // all three layers have the same steps
   Eigen::Matrix3d normal_of_change_;
 };

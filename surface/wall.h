@@ -18,6 +18,8 @@ struct Wall {
 /// The walls that a sample lies on: at most one across columns, rows and layers each.
 class Walls {
  public:
+  /// None.
+  Walls() = default;
   /// `below` and `above` are the layers around; null, or `beyond`, where the stack ends.
   Walls(const CutLayer& layer, const CutLayer* below, const CutLayer* above, const CutSample& sample, const Star& star);
 
