@@ -11,7 +11,7 @@ from surfaces import Grid, ball
 
 MIB = 1 << 20
 # Commands that write less than what a small disk holds.
-SMALL = ("convert to compressed mha", "convert to compressed nrrd", "segment", "surface", "isosurface", "eqnsurf")
+SMALL = ("convert to compressed mha", "convert to compressed nrrd", "segment", "surface", "isosurface", "eqnsurf", "reslice")
 
 
 class Writes:
@@ -41,6 +41,8 @@ class Writes:
             "isosurface": ["isosurface", self.volume, "--value", 0, "--out", out / "h.stl"],
             "eqnsurf": ["eqnsurf", "x^2+y^2+z^2-1", "--bounds", "-2,2,-2,2,-2,2", "--spacing", 0.2, "--out",
                         out / "i.obj"],
+            "reslice": ["reslice", self.scan, "--calibration", self.scan.with_name("scan.calibration.json"),
+                        "--through-frame", 4, "--rotate-deg", 30, "--out", out / "j.png"],
         }
 
     def old_files(self, out):
@@ -48,7 +50,7 @@ class Writes:
         out.mkdir(exist_ok=True)
         for name in ("simulated.mha", "simulated.calibration.json", "simulated.truth.json", "simulated.contours.json",
                      "a.mha", "b.mha", "c.mhd", "c.raw", "d.nrrd", "e.nrrd", "f.json", "g.ply",
-                     "h.stl", "i.obj"):
+                     "h.stl", "i.obj", "j.png"):
             (out / name).write_text(f"old {name}\n")
 
 
