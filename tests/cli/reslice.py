@@ -160,6 +160,7 @@ def empty_and_refused(program, scan, tally):
             ("no such frame", ["--through-frame", FRAMES]),
             ("too many pixels", [*through, "--spacing-mm", 1e-6]),
             ("too many layers", [*through, "--thickness-mm", 1e7]),
+            ("a side too long for a PNG", [*plane[:-2], "--y-axis", "0,1,0", "--size-mm", "3e6,1", "--spacing-mm", 1]),
             ("a clip outside of the image", [*through, "--clip", "9000,0,5,5"]),
             ("planes that are not there", [*through, "--planes", "none.json"]),
             ("not a picture", [*through, "--out", "w.mha"])):
