@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -11,6 +13,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
+#include "tests/real_recordings.h"
 #include "tests/registration/scans.h"
 
 namespace fathom {
@@ -490,6 +493,37 @@ TEST(Reslice, RefusesWhatMakesNoPicture) {
   ReslicerOptions options;
   options.max_gap_mm = 0.0;
   EXPECT_THROW(Reslicer(*scan.recording, *scan.locator, {whole(scan)}, options), Error);
+}
+
+// A calibration whose image axes are not perpendicular, by 3 degrees: pixels are where the calibration says.
+TEST(SpineSweep, ComesBackInThePlaneOfEachOfItsFrames) {
+  const std::filesystem::path folder = real_recordings();
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the recordings of data/plus are not on this machine";
+  const auto recording = open_recording(folder / "SpinePhantomFreehand.igs.mha");
+  const FrameLocator locator(*recording,
+                             read_calibration(folder / "PlusDeviceSet_SpinePhantomFreehandReconstructionOnly.xml"));
+  const cv::Size size(recording->header().width, recording->header().height);
+  const auto frames = placed_frames(*recording, locator);
+  const Reslicer reslicer(*recording, locator, {{0, 0, locator.frame_count() - 1}});
+  for (const PlacedFrame& frame : {frames.front(), frames[10], frames.back()}) {
+    const ResliceSurface surface = plane_surface(plane_through(frame, 0.0, frames, size, 0.31));
+    const Resliced made = reslicer.reslice(surface);
+    const cv::Mat image = recording->image(frame.frame);
+    const Eigen::Affine3d image_from_reference = frame.reference_from_image.inverse();
+    int compared = 0;
+    for (int y = 0; y < made.picture.rows; ++y) {
+      for (int x = 0; x < made.picture.cols; ++x) {
+        const Eigen::Vector3d at = image_from_reference * place(surface, x, y);
+        const cv::Point pixel(static_cast<int>(std::floor(at.x() + 0.5)), static_cast<int>(std::floor(at.y() + 0.5)));
+        const bool inside = cv::Rect({0, 0}, size).contains(pixel);
+        ASSERT_EQ(made.covered.at<std::uint8_t>(y, x) != 0, inside) << x << " " << y;
+        if (!inside) continue;
+        ASSERT_EQ(made.picture.at<std::uint8_t>(y, x), image.at<std::uint8_t>(pixel)) << x << " " << y;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 30000);
+  }
 }
 
 // How far pictures are from the truth: a texture of waves in all directions, no shorter than 2 mm, as the speckle of a
