@@ -15,6 +15,8 @@ namespace fathom {
 
 namespace {
 
+constexpr int kLongestPngSide = 1000000;  // libpng refuses more
+
 constexpr int kPane = 900;  // pixels, side of each of the two panes
 constexpr int kMargin = 40;
 constexpr int kLine = 30;     // height of a caption
@@ -180,8 +182,12 @@ cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
 }
 
 void write_png(const cv::Mat& picture, const std::filesystem::path& path) {
+  if (std::max(picture.cols, picture.rows) > kLongestPngSide) {
+    throw Error(path.string() + ": a PNG holds at most " + std::to_string(kLongestPngSide) +
+                " pixels along a side; make the picture smaller or its pixels larger");
+  }
   std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
+  if (!cv::imencode(".png", picture, bytes)) throw Error(path.string() + ": no PNG can be made of it; try again");
   AtomicFile file(path);
   file.write(std::as_bytes(std::span(bytes)));
   file.commit();

@@ -11,7 +11,7 @@ from program import complaint_about_error, run_script, tree
 from recording_file import MetaImage
 
 COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
-            "surface", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo")
+            "surface", "reslice", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "shape_based", "centroid_guided",
            "disc_guided", "disc_guided_curved"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
@@ -69,7 +69,8 @@ def wrong_command_lines(program, folder, tally):
         "simulate --object sphere --pattern linear --frames 5 --seed 18446744073709551616 --out s.mha",
         "segment a.mha --threshold nan --out c.json", "segment a.mha --threshold 128 --structure= --out c.json",
         "segment a.mha --threshold 128 --every 0 --out c.json", "measure a.mha", "measure a.mha --calibration c.json",
-        "measure a.mha --contours c.json", "demo --out", "demo --frames-per-second-please 3",
+        "measure a.mha --contours c.json", "reslice a.mha",
+        "reslice a.mha --calibration c.json --through-frame 3", "reslice a.mha --calibration c.json --out p.png", "demo --out", "demo --frames-per-second-please 3",
     )
     for line in lines:
         outcome = program.run(*line.split(), cwd=empty)

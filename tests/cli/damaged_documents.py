@@ -197,3 +197,31 @@ def landmarks():
     yield "1001 landmarks", b"1,2,3\n" * 1001
     yield "a line of 900 kB", b"A," + b"1" * 900_000 + b",2,3\n"
     yield "more than 1 MB", b"#" * 1_000_001
+def planes(good_text, frames):
+    """Dividing planes for a recording of this many frames."""
+    good = json.loads(good_text)
+
+    def changed(**fields):
+        return json.dumps({**good, **fields}).encode()
+
+    def plane(**fields):
+        return changed(dividing_planes=[{"normal": [1, 0, 0], "offset_mm": 2, **fields}])
+
+    def sweeps(*ends):
+        return changed(sweeps=[{"recording": 0, "first": first, "last": last} for first, last in ends])
+
+    yield from broken_json(good_text)
+    yield "no planes", json.dumps(without(good, "dividing_planes")).encode()
+    yield "planes that are an object", changed(dividing_planes={})
+    yield "more than 32 planes", changed(dividing_planes=[{"normal": [1, 0, 0], "offset_mm": i} for i in range(33)])
+    yield "a normal without length", plane(normal=[0, 0, 0])
+    yield "a normal of length 2", plane(normal=[2, 0, 0])
+    yield "a normal of two numbers", plane(normal=[1, 0])
+    yield "an offset that is a word", plane(offset_mm="far")
+    yield "an offset of 1e300", plane(offset_mm=1e300)
+    yield "sweeps that are a number", changed(sweeps=3)
+    yield "a sweep that runs backward", sweeps((3, 2))
+    yield "sweeps that overlap", sweeps((0, 3), (3, frames - 1))
+    yield "a sweep beyond the recording", sweeps((0, frames))
+    yield "a sweep of negative frames", sweeps((-2, 3))
+    yield "a sweep of another recording", changed(sweeps=[{"recording": 1, "first": 0, "last": 2}])

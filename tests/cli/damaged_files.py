@@ -132,6 +132,17 @@ class Suite:
         self.must_refuse("contours: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
         self.must_refuse("contours: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
 
+    def planes(self):
+        def runs(path):
+            return {"reslice": ["reslice", self.good / "scan.mha", "--calibration", self.good / "scan.calibration.json",
+                                "--through-frame", 2, "--planes", path, "--out", "out.png", "--json"]}
+
+        self.program.must_run("planes", self.good / "scan.mha", "--calibration", self.good / "scan.calibration.json",
+                              "--out", self.good / "planes.json")
+        self.must_accept("planes", runs(self.good / "planes.json")["reslice"])
+        for name, content in damaged_documents.planes((self.good / "planes.json").read_bytes(), frames=6):
+            self.must_refuse(f"planes: {name}", {"damaged.json": content}, runs)
+
     def meshes(self):
         (self.good / "cube.off").write_bytes(damaged_meshes.CUBE)
         good = {}
@@ -196,6 +207,7 @@ def body(program, folder, tally, _root):
     suite.calibrations()
     suite.contours()
     suite.landmarks()
+    suite.planes()
     suite.without_permission()
 
 

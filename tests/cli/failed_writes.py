@@ -13,7 +13,8 @@ from tracked_recordings import over_floor
 MIB = 1 << 20
 TEMPORAL = "calibrate temporal"  # its complaint is longer than its file, so no limit leaves room for one only
 # Commands that write less than what a small disk holds.
-SMALL = ("convert to compressed mha", "convert to compressed nrrd", "segment", "surface", "isosurface", "eqnsurf", TEMPORAL)
+SMALL = ("convert to compressed mha", "convert to compressed nrrd", "segment", "surface", "isosurface", "eqnsurf", TEMPORAL,
+         "reslice")
 
 
 class Writes:
@@ -46,6 +47,8 @@ class Writes:
             "eqnsurf": ["eqnsurf", "x^2+y^2+z^2-1", "--bounds", "-2,2,-2,2,-2,2", "--spacing", 0.2, "--out",
                         out / "i.obj"],
             TEMPORAL: ["calibrate", "temporal", "--image", self.floor, "--out", out / "j.json"],
+            "reslice": ["reslice", self.scan, "--calibration", self.scan.with_name("scan.calibration.json"),
+                        "--through-frame", 4, "--rotate-deg", 30, "--out", out / "k.png"],
         }
 
     def old_files(self, out):
@@ -53,7 +56,7 @@ class Writes:
         out.mkdir(exist_ok=True)
         for name in ("simulated.mha", "simulated.calibration.json", "simulated.truth.json", "simulated.contours.json",
                      "a.mha", "b.mha", "c.mhd", "c.raw", "d.nrrd", "e.nrrd", "f.json", "g.ply",
-                     "h.stl", "i.obj", "j.json"):
+                     "h.stl", "i.obj", "j.json", "k.png"):
             (out / name).write_text(f"old {name}\n")
 
 
