@@ -106,6 +106,32 @@ TEST(PartitionSurface, PartsOfABallSeenByTwoSweepsAreItsSegments) {
   }
 }
 
+TEST(PartitionSurfaceStudy, PartsOfABallUnderRandomPlanesAndSweeps) {
+  Random random(17);
+  double worst_part = 0.0;
+  double worst_total = 0.0;
+  double worst_mismatch = 0.0;
+  for (int round = 0; round < 100; ++round) {
+    const double height = random.uniform(-8.0, 8.0);
+    const TwoSweeps two = two_sweeps(random, height);
+    const FrameLocator locator = two.scan.locator();
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
+                                           two.partition, spaced(0.5, GapOrder::kCurved));
+    for (const PartSurface& part : surface.parts) {
+      const double truth = segment_ml(part.sweep == 0 ? height : -height);
+      worst_part = std::max(worst_part, std::abs(*part.volume_ml - truth) / kBall_ml);
+    }
+    worst_total = std::max(worst_total, std::abs(*surface.volume_ml - kBall_ml) / kBall_ml);
+    worst_mismatch = std::max(worst_mismatch, surface.planes[0].mismatch_share());
+  }
+  RecordProperty("worst_part", std::to_string(worst_part));
+  RecordProperty("worst_total", std::to_string(worst_total));
+  RecordProperty("worst_mismatch", std::to_string(worst_mismatch));
+  EXPECT_LT(worst_part, 0.005);
+  EXPECT_LT(worst_total, 0.005);
+  EXPECT_LT(worst_mismatch, 0.05);
+}
+
 TEST(PartitionSurface, MoreFramesBringThePartsNearerToTheBallsSegments) {
   double before = 1e300;
   for (const int frames : {9, 17, 33}) {
