@@ -1,7 +1,10 @@
 #include "measurement/partition_surface.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -101,6 +104,32 @@ TEST(PartitionSurface, PartsOfABallSeenByTwoSweepsAreItsSegments) {
     EXPECT_LT(surface.planes[0].mismatch_share(), 0.03);
     EXPECT_TRUE(surface.warnings.empty());
   }
+}
+
+TEST(PartitionSurfaceStudy, PartsOfABallUnderRandomPlanesAndSweeps) {
+  Random random(17);
+  double worst_part = 0.0;
+  double worst_total = 0.0;
+  double worst_mismatch = 0.0;
+  for (int round = 0; round < 100; ++round) {
+    const double height = random.uniform(-8.0, 8.0);
+    const TwoSweeps two = two_sweeps(random, height);
+    const FrameLocator locator = two.scan.locator();
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
+                                           two.partition, spaced(0.5, GapOrder::kCurved));
+    for (const PartSurface& part : surface.parts) {
+      const double truth = segment_ml(part.sweep == 0 ? height : -height);
+      worst_part = std::max(worst_part, std::abs(*part.volume_ml - truth) / kBall_ml);
+    }
+    worst_total = std::max(worst_total, std::abs(*surface.volume_ml - kBall_ml) / kBall_ml);
+    worst_mismatch = std::max(worst_mismatch, surface.planes[0].mismatch_share());
+  }
+  RecordProperty("worst_part", std::to_string(worst_part));
+  RecordProperty("worst_total", std::to_string(worst_total));
+  RecordProperty("worst_mismatch", std::to_string(worst_mismatch));
+  EXPECT_LT(worst_part, 0.005);
+  EXPECT_LT(worst_total, 0.005);
+  EXPECT_LT(worst_mismatch, 0.05);
 }
 
 TEST(PartitionSurface, MoreFramesBringThePartsNearerToTheBallsSegments) {
@@ -297,6 +326,33 @@ TEST(PartitionSurface, OpenPartsHaveAVolumeWhereNoMoreThanTwoPlanesCut) {
     EXPECT_EQ(any_refused, count == 3);
     EXPECT_EQ(open.volume_ml.has_value(), count < 3);
   }
+}
+
+TEST(PartitionSurface, OutlinesThatEndShortOfThePlaneAreSaidWithWhatIsMissing) {
+  // Both sweeps along z, the first from below to 1 mm short of the plane at 2 mm, the second from 3 mm short of it on.
+  std::vector<Eigen::Isometry3d> poses;
+  std::vector<Sweep> sweeps;
+  for (const auto& [from, to] : {std::pair(-9.99, 1.0), std::pair(5.0, 9.99)}) {
+    const int first = static_cast<int>(poses.size());
+    for (const Eigen::Isometry3d& pose : turning_sweep(evenly(from, to, 15))) poses.push_back(pose);
+    sweeps.push_back({0, first, static_cast<int>(poses.size()) - 1});
+  }
+  const FrameLocator locator = scan_of(poses, 0.1);
+  const SpacePartition partition({one_centre({0, 0, -30}), one_centre({0, 0, 30})},
+                                 {DividingPlane(Eigen::Vector3d::UnitZ(), -2.0)});
+  const auto surface =
+      partition_surface(ball(locator, Eigen::Vector3d::Zero(), kRadius), locator, sweeps, partition, spaced(0.5));
+  EXPECT_TRUE(surface.planes.empty()) << "nothing is cut";
+  const double first_ml = kPi * (kRadius * kRadius - 1.0) * 1.0 / 1000.0;
+  const double second_ml = kPi * (kRadius * kRadius - 25.0) * 3.0 / 1000.0;
+  ASSERT_EQ(surface.warnings.size(), 2u);
+  char expected[200];
+  std::snprintf(expected, sizeof expected, "sweep 1 end on frame 14, 1 mm short of dividing plane 1: about %.2g ml",
+                first_ml);
+  EXPECT_NE(surface.warnings[0].find(expected), std::string::npos) << surface.warnings[0];
+  std::snprintf(expected, sizeof expected, "sweep 2 end on frame 15, 3 mm short of dividing plane 1: about %.2g ml",
+                second_ml);
+  EXPECT_NE(surface.warnings[1].find(expected), std::string::npos) << surface.warnings[1];
 }
 
 TEST(PartitionSurface, SeveralSweepsWithoutPlanesAreRefused) {
