@@ -74,6 +74,7 @@ void convert_recording(const ConvertOptions& options) {
 }
 
 void run(const ConvertOptions& options) {
+  if (is_exam(options.in)) return convert_recording(options);
   if (is_mesh_file(options.in)) return convert_mesh(options);
   if (is_volume_file(options.in)) return convert_volume(options);
   convert_recording(options);

@@ -132,6 +132,15 @@ class Suite:
         self.must_refuse("contours: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
         self.must_refuse("contours: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
 
+    def exams(self):
+        def runs(path):
+            return {"info": ["info", path.parent, "--json"], "measure": ["measure", path, "--save", "--json"]}
+
+        for name, content in damaged_documents.exams():
+            self.must_refuse(f"exam: {name}", {"exam.json": content}, runs)
+        self.must_refuse("exam: a folder", {"exam.json": damaged_recordings.folder}, runs)
+        self.must_refuse("exam: a pipe", {"exam.json": damaged_recordings.pipe}, runs)
+
     def meshes(self):
         (self.good / "cube.off").write_bytes(damaged_meshes.CUBE)
         good = {}
@@ -179,6 +188,7 @@ def body(program, folder, tally, _root):
     suite.volumes()
     suite.calibrations()
     suite.contours()
+    suite.exams()
     suite.without_permission()
 
 
