@@ -10,6 +10,7 @@ void add_calibrate(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_demo(CLI::App& app);
 void add_eqnsurf(CLI::App& app);
+void add_exam(CLI::App& app);
 void add_info(CLI::App& app);
 void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);

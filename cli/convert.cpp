@@ -5,6 +5,7 @@
 #include "acquisition/volume_file.h"
 #include "cli/command.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "surface/mesh_file.h"
@@ -59,7 +60,7 @@ void convert_volume(const ConvertOptions& options) {
 }
 
 void convert_recording(const ConvertOptions& options) {
-  const auto recording = open_recording(options.in);
+  const auto recording = open_only_recording(options.in, "convert");
   if (is_mesh_file(options.out)) {
     throw Error(printable(options.out) + ": a recording cannot be written as a mesh; name a file ending in .mha, " +
                 ".mhd or .nrrd");
@@ -73,6 +74,7 @@ void convert_recording(const ConvertOptions& options) {
 }
 
 void run(const ConvertOptions& options) {
+  if (is_exam(options.in)) return convert_recording(options);
   if (is_mesh_file(options.in)) return convert_mesh(options);
   if (is_volume_file(options.in)) return convert_volume(options);
   convert_recording(options);
@@ -85,7 +87,8 @@ void add_convert(CLI::App& app) {
   CLI::App* command = app.add_subcommand("convert", "Write a recording, a volume or a mesh in another format");
   command
       ->add_option("IN", options->in,
-                   "A .mha, .mhd or .nrrd sequence or volume; or a .ply, .stl, .obj, .off or .wrl mesh")
+                   "A .mha, .mhd or .nrrd sequence or volume; an exam of one recording; or a .ply, .stl, .obj, .off or "
+                   ".wrl mesh")
       ->required();
   command->add_option("OUT", options->out, "The file to write; its extension names the format")->required();
   command->add_flag("--compress", options->compress, "Compress the pixels (smaller, but slower to open)");

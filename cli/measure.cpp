@@ -1,10 +1,9 @@
-#include <iostream>
 #include <memory>
 
-#include "acquisition/recording.h"
 #include "cli/command.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "exam/results.h"
 #include "segmentation/outline_topology.h"
 
@@ -13,25 +12,41 @@ namespace fathom {
 namespace {
 
 struct MeasureCommand {
-  std::string recording;
-  std::string calibration;
-  std::string contours;
-  FrameNames names;
+  ScanInput input;
   bool no_surfaces = false;
+  bool save = false;
   bool json = false;
 };
 
-void run(const MeasureCommand& options) {
-  const auto recording = open_recording(options.recording);
-  const Calibration calibration = read_calibration(options.calibration, options.names.probe);
-  const std::vector<Structure> structures = read_contours(options.contours);
-  require_measurable(structures, recording->header().frame_count(), options.contours);
-  require_simple_outlines(structures, options.contours);
-  const FrameLocator locator(*recording, calibration, options.names);
-  const std::vector<StructureResult> results = measure_structures(
-      structures, *recording, locator, {.surfaces = !options.no_surfaces}, progress_bar("measuring"));
-  if (options.json) {
-    print_json(results_json(results));
+std::vector<StructureResult> measure(const MeasureCommand& command, const std::optional<Exam>& exam) {
+  const Scan scan = open_scan(command.input, exam);
+  const std::string file = contours_file(command.input, exam);
+  const std::vector<Structure> structures = read_contours(file);
+  // Whether outlines may be open depends on the planes, which depend on where outlines are.
+  require_measurable(structures, frame_counts(scan), OpenContours::kAllow, file);
+  require_simple_outlines(structures, file);
+  const MeasureOptions options{.surfaces = !command.no_surfaces};
+  const bool may_divide = exam || !command.input.planes.empty();
+  if (!may_divide) require_measurable(structures, frame_counts(scan), OpenContours::kRefuse, file);
+  const auto division = division_of(command.input, exam, scan, structures);
+  const bool divided = division && !division->partition.planes().empty();
+  if (!divided) require_measurable(structures, frame_counts(scan), OpenContours::kRefuse, file);
+  if (division) return measure_structures(structures, scan, *division, options, progress_bar("measuring"));
+  return measure_structures(structures, *scan.recordings.front(), scan.locators.front(), options,
+                            progress_bar("measuring"));
+}
+
+void run(const MeasureCommand& command) {
+  auto exam = read_if_exam(command.input.recording);
+  if (command.save) require_exam_to_save(exam);
+  const std::vector<StructureResult> results = measure(command, exam);
+  const nlohmann::ordered_json json = results_json(results);
+  if (command.save) {
+    exam->results = nlohmann::json::parse(json.dump());
+    write_exam(*exam);
+  }
+  if (command.json) {
+    print_json(json);
   } else {
     print_results(results);
   }
@@ -42,11 +57,14 @@ void run(const MeasureCommand& options) {
 void add_measure(CLI::App& app) {
   auto options = std::make_shared<MeasureCommand>();
   CLI::App* command = app.add_subcommand("measure", "Give the volume of every outlined structure by every method");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
-  command->add_option("--contours", options->contours, "The contours file")->required();
-  add_frame_names(*command, options->names);
+  add_recording(*command, options->input.recording);
+  add_calibration(*command, options->input);
+  add_contours(*command, options->input);
+  command->add_option("--planes", options->input.planes,
+                      "Sweeps and dividing planes, as `fathom planes` writes them (default: the exam's)");
+  add_frame_names(*command, options->input.names);
   command->add_flag("--no-surfaces", options->no_surfaces, "Planimetry only: at once, however many sections");
+  command->add_flag("--save", options->save, "Write the results into the exam");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }

@@ -21,6 +21,23 @@ std::size_t columns_of(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
+// The parts that volumes are sums of, where there are any.
+void print_partitions(const std::vector<StructureResult>& results) {
+  std::vector<std::vector<std::string>> rows{
+      {"structure", "sweep", "sections", "linear (ml)", "cubic (ml)", "cubic 3D (ml)", "missing (ml)"}};
+  for (const StructureResult& result : results) {
+    for (const PartResult& part : result.partitions) {
+      const PlanimetryVolumes& volumes = part.measurement.volumes;
+      rows.push_back({result.name, std::to_string(part.sweep + 1), std::to_string(part.measurement.sections),
+                      number_text(volumes.linear_ml, 2), number_text(volumes.cubic_ml, 2),
+                      number_text(volumes.cubic_3d_ml, 2), number_text(part.missing_ml, 2)});
+    }
+  }
+  if (rows.size() == 1) return;
+  std::cout << "\n";
+  print_table(rows);
+}
+
 }  // namespace
 
 void print_json(const nlohmann::ordered_json& json) {
@@ -63,6 +80,7 @@ void print_results(const std::vector<StructureResult>& results) {
                     number_text(result.surfaces.disc_guided_curved_ml, 2)});
   }
   print_table(rows);
+  print_partitions(results);
   for (const StructureResult& result : results) {
     for (const std::string& warning : result.measurement.warnings) {
       std::cout << "warning: " << result.name << ": " << warning << "\n";

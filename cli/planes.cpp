@@ -1,10 +1,10 @@
 #include <iostream>
 #include <memory>
 
-#include "acquisition/recording.h"
 #include "cli/command.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "core/error.h"
 #include "core/text_file.h"
 #include "registration/dividing_planes.h"
@@ -15,26 +15,24 @@ namespace fathom {
 namespace {
 
 struct PlanesCommand {
-  std::string recording;
-  std::string calibration;
+  ScanInput input;
   std::vector<std::vector<double>> add;
   std::string out;
-  FrameNames names;
+  bool keep = false;
+  bool save = false;
   bool json = false;
 };
 
 void run(const PlanesCommand& options) {
-  const auto recording = open_recording(options.recording);
-  const RecordingHeader& header = recording->header();
-  if (!header.has_images()) throw Error(options.recording + ": has no images, so that no planes lie between them");
-  const Calibration calibration = read_calibration(options.calibration, options.names.probe);
-  const FrameLocator locator(*recording, calibration, options.names);
-  const std::vector<Sweep> sweeps = find_sweeps(*recording, locator);
-  if (sweeps.empty()) throw Error(options.recording + ": has no sweep, as no run of frames is valid; record again");
-  std::vector<SweepShape> shapes;
-  for (const Sweep& sweep : sweeps) shapes.push_back(sweep_shape(sweep, locator, header.width, header.height));
+  auto exam = read_if_exam(options.input.recording);
+  if (options.save) require_exam_to_save(exam);
+  if (options.keep && !exam) throw CLI::ValidationError("--keep", "RECORDING is no exam that has planes to keep");
+  const Scan scan = open_scan(options.input, exam);
+  const std::vector<Sweep> sweeps = exam && !exam->sweeps.empty() ? exam->sweeps : find_sweeps(scan);
   std::vector<std::string> warnings;
-  SpacePartition partition = place_dividing_planes(std::move(shapes), &warnings);
+  std::vector<SweepShape> shapes = sweep_shapes(sweeps, scan);
+  SpacePartition partition = options.keep ? SpacePartition(std::move(shapes), exam->dividing_planes)
+                                          : place_dividing_planes(std::move(shapes), &warnings);
   for (const std::vector<double>& plane : options.add) {
     const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
     const double length = normal.norm();
@@ -46,6 +44,11 @@ void run(const PlanesCommand& options) {
   }
   const std::string text = planes_json({sweeps, partition.planes()});
   if (!options.out.empty()) write_text_file(options.out, text);
+  if (options.save) {
+    exam->sweeps = sweeps;
+    exam->dividing_planes = partition.planes();
+    write_exam(*exam);
+  }
   if (options.json) {
     nlohmann::ordered_json json = nlohmann::ordered_json::parse(text);
     json.erase("fathom_planes");
@@ -82,12 +85,14 @@ void run(const PlanesCommand& options) {
 void add_planes(CLI::App& app) {
   auto options = std::make_shared<PlanesCommand>();
   CLI::App* command = app.add_subcommand("planes", "Place the planes that divide space between sweeps");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
+  add_recording(*command, options->input.recording);
+  add_calibration(*command, options->input);
   add_number_lists(*command, "--add", options->add, 4, "nx,ny,nz,offset",
                    "One more plane: nx,ny,nz,offset (normal . x = offset, mm); may be repeated");
   command->add_option("--out", options->out, "Where to write the planes (JSON)");
-  add_frame_names(*command, options->names);
+  command->add_flag("--keep", options->keep, "Keep the exam's planes instead of placing them anew");
+  command->add_flag("--save", options->save, "Write sweeps and planes into the exam");
+  add_frame_names(*command, options->input.names);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }

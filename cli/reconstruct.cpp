@@ -13,6 +13,7 @@
 #include "cli/command.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "registration/fill_holes.h"
 
 namespace fathom {
@@ -42,8 +43,10 @@ void run(const ReconstructCommand& command) {
   options.max_bytes = command.max_memory_mb * 1e6;
   if (!command.clip.empty())
     options.clip = cv::Rect(command.clip[0], command.clip[1], command.clip[2], command.clip[3]);
-  const auto recording = open_recording(command.recording);
-  const Calibration calibration = read_calibration(command.calibration, command.names.probe);
+  const auto recording = open_only_recording(command.recording, "reconstruct");
+  const ScanInput input{command.recording, command.calibration, {}, {}, command.names};
+  const Calibration calibration =
+      read_calibration(calibration_file(input, read_if_exam(command.recording)), command.names.probe);
   const FrameLocator locator(*recording, calibration, command.names);
 
   const auto start = std::chrono::steady_clock::now();
@@ -82,8 +85,8 @@ void add_reconstruct(CLI::App& app) {
       {"mean", Compounding::kMean}, {"latest", Compounding::kLatest}, {"max", Compounding::kMax}};
   auto options = std::make_shared<ReconstructCommand>();
   CLI::App* command = app.add_subcommand("reconstruct", "Make a voxel array of a sweep, for programs that need one");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
+  add_recording(*command, options->recording);
+  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML (default: the exam's)");
   command->add_option("--spacing-mm", options->reconstruct.spacing_mm, "Side of a voxel")
       ->required()
       ->check(above(0.0));

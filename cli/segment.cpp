@@ -5,6 +5,7 @@
 #include "cli/command.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "core/text_file.h"
 #include "segmentation/threshold_recording.h"
 
@@ -19,9 +20,24 @@ struct SegmentCommand {
   bool json = false;
 };
 
+// On every recording of an exam.
+Structure outline(const SegmentCommand& command) {
+  const Progress progress = progress_bar("outlining");
+  const auto exam = read_if_exam(command.recording);
+  if (!exam) return segment_by_threshold(*open_recording(command.recording), command.segment, progress);
+  Structure all;
+  for (std::size_t i = 0; i < exam->recordings.size(); ++i) {
+    const auto recording = open_recording(file_of(*exam, exam->recordings[i]));
+    Structure one = segment_by_threshold(*recording, command.segment, progress);
+    for (Contour& contour : one.contours) contour.recording = static_cast<int>(i);
+    one.contours.insert(one.contours.begin(), all.contours.begin(), all.contours.end());
+    all = std::move(one);
+  }
+  return all;
+}
+
 void run(const SegmentCommand& command) {
-  const auto recording = open_recording(command.recording);
-  const Structure structure = segment_by_threshold(*recording, command.segment, progress_bar("outlining"));
+  const Structure structure = outline(command);
   write_text_file(command.out, contours_json({structure}));
   const auto frames = outlined_frames(structure);
   if (command.json) {
@@ -38,7 +54,7 @@ void add_segment(CLI::App& app) {
   auto options = std::make_shared<SegmentCommand>();
   ThresholdRecordingOptions& segment = options->segment;
   CLI::App* command = app.add_subcommand("segment", "Outline a structure on the frames of a recording");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
+  add_recording(*command, options->recording);
   command->add_option("--threshold", segment.threshold.threshold, "Pixels from this grey value on are inside")
       ->required()
       ->check(finite());

@@ -11,6 +11,7 @@
 #include "cli/mesh_output.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "core/atomic_file.h"
 #include "measurement/contour_surface.h"
 #include "measurement/partition_surface.h"
@@ -176,11 +177,14 @@ std::vector<Structure> closed(std::vector<Structure> structures) {
   return structures;
 }
 
-void run(const SurfaceCommand& command) {
+void run(SurfaceCommand command) {
   command.surface.check();
   require_mesh_name(command.out);
-  const auto recording = open_recording(command.recording);
-  const Calibration calibration = read_calibration(command.calibration, command.names.probe);
+  const auto recording = open_only_recording(command.recording, "surface");
+  const auto exam = read_if_exam(command.recording);
+  const ScanInput input{command.recording, command.calibration, command.contours, {}, command.names};
+  command.contours = contours_file(input, exam);
+  const Calibration calibration = read_calibration(calibration_file(input, exam), command.names.probe);
   const std::vector<Structure> structures = chosen_structures(command);
   const std::vector<Structure> outlined = command.planes.empty() ? structures : closed(structures);
   require_measurable(outlined, recording->header().frame_count(), command.contours);
@@ -231,9 +235,9 @@ void run(const SurfaceCommand& command) {
 void add_surface(CLI::App& app) {
   auto options = std::make_shared<SurfaceCommand>();
   CLI::App* command = app.add_subcommand("surface", "Make the surface of outlined structures as a triangle mesh");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
-  command->add_option("--contours", options->contours, "The contours file")->required();
+  add_recording(*command, options->recording);
+  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML (default: the exam's)");
+  command->add_option("--contours", options->contours, "The contours file (default: the exam's)");
   command
       ->add_option(
           "--out", options->out,

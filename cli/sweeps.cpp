@@ -1,11 +1,10 @@
 #include <iostream>
 #include <memory>
 
-#include "acquisition/recording.h"
 #include "cli/command.h"
 #include "cli/options.h"
 #include "cli/output.h"
-#include "core/error.h"
+#include "cli/scan_input.h"
 #include "registration/find_sweeps.h"
 
 namespace fathom {
@@ -13,21 +12,26 @@ namespace fathom {
 namespace {
 
 struct SweepsCommand {
-  std::string recording;
-  std::string calibration;
-  FrameNames names;
+  ScanInput input;
+  bool save = false;
   FindSweepsOptions find;
   bool json = false;
 };
 
 void run(const SweepsCommand& options) {
-  const auto recording = open_recording(options.recording);
+  const ScanInput& input = options.input;
+  auto exam = read_if_exam(input.recording);
+  if (options.save) require_exam_to_save(exam);
   // Without a calibration the probe's own path is followed: enough to see where it jumps.
-  const Calibration calibration =
-      options.calibration.empty() ? Calibration{} : read_calibration(options.calibration, options.names.probe);
-  const FrameLocator locator(*recording, calibration, options.names);
-  const std::vector<Sweep> sweeps = find_sweeps(*recording, locator, options.find);
-  if (sweeps.empty()) throw Error(options.recording + ": has no sweep, as no run of frames is valid; record again");
+  const bool placed = !input.calibration.empty() || (exam && !exam->calibration.empty());
+  const Scan scan = placed ? open_scan(input, exam)
+                    : exam ? open_scan(*exam, {}, input.names)
+                           : open_scan(input.recording, {}, input.names);
+  const std::vector<Sweep> sweeps = find_sweeps(scan, options.find);
+  if (options.save) {
+    exam->sweeps = sweeps;
+    write_exam(*exam);
+  }
   if (options.json) {
     nlohmann::ordered_json json;
     json["sweeps"] = nlohmann::ordered_json::array();
@@ -37,10 +41,10 @@ void run(const SweepsCommand& options) {
     print_json(json);
     return;
   }
-  std::vector<std::vector<std::string>> rows{{"sweep", "first", "last", "frames"}};
+  std::vector<std::vector<std::string>> rows{{"sweep", "recording", "first", "last", "frames"}};
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    rows.push_back({std::to_string(i + 1), std::to_string(sweeps[i].first), std::to_string(sweeps[i].last),
-                    std::to_string(frame_count(sweeps[i]))});
+    rows.push_back({std::to_string(i + 1), std::to_string(sweeps[i].recording), std::to_string(sweeps[i].first),
+                    std::to_string(sweeps[i].last), std::to_string(frame_count(sweeps[i]))});
   }
   print_table(rows);
 }
@@ -50,15 +54,16 @@ void run(const SweepsCommand& options) {
 void add_sweeps(CLI::App& app) {
   auto options = std::make_shared<SweepsCommand>();
   CLI::App* command = app.add_subcommand("sweeps", "Find the sweeps of a recording");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML");
+  add_recording(*command, options->input.recording);
+  add_calibration(*command, options->input);
   command->add_option("--pause-s", options->find.pause_s, "A longer pause separates sweeps")
       ->check(above(0))
       ->capture_default_str();
   command->add_option("--jump-mm", options->find.jump_mm, "A farther jump between frames separates sweeps")
       ->check(above(0))
       ->capture_default_str();
-  add_frame_names(*command, options->names);
+  add_frame_names(*command, options->input.names);
+  command->add_flag("--save", options->save, "Write the sweeps into the exam");
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }

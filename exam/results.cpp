@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 #include <utility>
 
+#include "core/error.h"
 #include "measurement/contour_surface.h"
+#include "measurement/partition_volume.h"
 
 namespace fathom {
 
@@ -19,15 +22,15 @@ void add_once(std::vector<std::string>& warnings, const std::string& warning) {
   if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
 }
 
-// Fills in the volumes of the surfaces; what prevents one goes to the warnings.
-void measure_surfaces(const Structure& structure, const FrameLocator& locator, const Progress& progress,
-                      StructureResult& result) {
+// The volumes of the surfaces; what prevents one goes to the warnings.
+SurfaceVolumes measure_surfaces(const Structure& structure, const FrameLocator& locator, const Progress& progress,
+                                std::vector<std::string>& warnings) {
   struct Method {
     Guide guide;
     GapOrder order;
     std::optional<double>* volume_ml;
   };
-  SurfaceVolumes& volumes = result.surfaces;
+  SurfaceVolumes volumes;
   const std::array<Method, 4> methods{{{Guide::kDiscs, GapOrder::kLinear, &volumes.disc_guided_ml},
                                        {Guide::kDiscs, GapOrder::kCurved, &volumes.disc_guided_curved_ml},
                                        {Guide::kCentroids, GapOrder::kLinear, &volumes.centroid_guided_ml},
@@ -42,14 +45,62 @@ void measure_surfaces(const Structure& structure, const FrameLocator& locator, c
       ContourSurface surface(locator, options);
       surface.update(structure, part_of(progress, done, done + step));
       *method.volume_ml = surface.volume_ml();
-      for (const std::string& warning : surface.warnings()) add_once(result.measurement.warnings, warning);
+      for (const std::string& warning : surface.warnings()) add_once(warnings, warning);
     } catch (const Cancelled&) {
       throw;
     } catch (const Error& error) {
-      add_once(result.measurement.warnings, std::string("no surface: ") + error.what());
+      add_once(warnings, std::string("no surface: ") + error.what());
     }
     done += step;
   }
+  return volumes;
+}
+
+nlohmann::ordered_json volumes_json(const PlanimetryVolumes& volumes, const SurfaceVolumes& surfaces) {
+  // Every name of the interface is there from the start, so that readers need not ask which version wrote the file.
+  return {{"linear_planimetry", number_or_null(volumes.linear_ml)},
+          {"cubic_planimetry", number_or_null(volumes.cubic_ml)},
+          {"cubic_planimetry_3d", number_or_null(volumes.cubic_3d_ml)},
+          {"shape_based", number_or_null(surfaces.shape_based_ml)},
+          {"centroid_guided", number_or_null(surfaces.centroid_guided_ml)},
+          {"disc_guided", number_or_null(surfaces.disc_guided_ml)},
+          {"disc_guided_curved", number_or_null(surfaces.disc_guided_curved_ml)}};
+}
+
+nlohmann::ordered_json part_json(const PartResult& part) {
+  return {{"sweep", part.sweep},
+          {"region", part.region},
+          {"sections", part.measurement.sections},
+          {"volume_ml", volumes_json(part.measurement.volumes, part.surfaces)},
+          {"loss_ml", part.missing_ml},
+          {"loss", part.loss.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(part.loss)},
+          {"warnings", part.measurement.warnings}};
+}
+
+// What a structure has on one recording, as if there were no other.
+Structure on_recording(const Structure& structure, std::size_t recording) {
+  return part_in_sweep(structure, {recording, 0, std::numeric_limits<int>::max()});
+}
+
+// The surfaces of whole sweeps, each by itself.
+void measure_sweep_surfaces(const Structure& structure, const Scan& scan, const Division& division,
+                            const Progress& progress, StructureResult& result) {
+  double done = 0.0;
+  for (PartResult& part : result.partitions) {
+    const double step = 1.0 / static_cast<double>(result.partitions.size());
+    const Sweep& sweep = division.sweeps[part.sweep];
+    std::vector<std::string> warnings;
+    if (part.measurement.volumes.linear_ml) {
+      part.surfaces = measure_surfaces(part_in_sweep(structure, sweep), scan.locators[sweep.recording],
+                                       part_of(progress, done, done + step), warnings);
+    }
+    for (const std::string& warning : warnings) {
+      add_once(part.measurement.warnings, warning);
+      add_once(result.measurement.warnings, "sweep " + std::to_string(part.sweep + 1) + ": " + warning);
+    }
+    done += step;
+  }
+  if (result.partitions.size() == 1) result.surfaces = result.partitions.front().surfaces;
 }
 
 }  // namespace
@@ -74,7 +125,49 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
     if (options.surfaces && result.measurement.volumes.linear_ml) {
       const double step = 1.0 / static_cast<double>(structures.size());
       const double done = step * static_cast<double>(results.size());
-      measure_surfaces(structure, locator, part_of(progress, done, done + step), result);
+      result.surfaces =
+          measure_surfaces(structure, locator, part_of(progress, done, done + step), result.measurement.warnings);
+    }
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    results.push_back(std::move(result));
+  }
+  report(progress, 1.0);
+  return results;
+}
+
+std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Scan& scan,
+                                                const Division& division, const MeasureOptions& options,
+                                                const Progress& progress) {
+  const bool divided = !division.partition.planes().empty();
+  std::vector<StructureResult> results;
+  for (const Structure& structure : structures) {
+    const auto start = std::chrono::steady_clock::now();
+    const double step = 1.0 / static_cast<double>(structures.size());
+    const double done = step * static_cast<double>(results.size());
+    StructureResult result;
+    result.name = structure.name;
+    std::vector<std::string>& warnings = result.measurement.warnings;
+    for (std::size_t i = 0; i < scan.recordings.size(); ++i) {
+      const RecordingHeader& header = scan.recordings[i]->header();
+      if (!header.has_images()) continue;
+      const auto warning = outside_image_warning(on_recording(structure, i), header.width, header.height);
+      if (warning) warnings.push_back(*warning);
+    }
+    PartitionedVolume measured = divided
+                                     ? measure_partitions(structure, scan.locators, division.sweeps, division.partition)
+                                     : measure_sweeps(structure, scan.locators, division.sweeps);
+    warnings.insert(warnings.end(), measured.warnings.begin(), measured.warnings.end());
+    result.measurement.volumes = measured.total;
+    for (PartitionVolume& part : measured.partitions) {
+      result.measurement.sections += part.measurement.sections;
+      result.partitions.push_back(
+          {part.region, part.sweep, std::move(part.measurement), {}, part.missing_ml, std::move(part.loss)});
+    }
+    if (result.partitions.empty()) warnings.push_back("no outline lies in a sweep: no volume; outline the structure");
+    if (options.surfaces && !divided) {
+      measure_sweep_surfaces(structure, scan, division, part_of(progress, done, done + step), result);
+    } else if (options.surfaces && !result.partitions.empty()) {
+      warnings.push_back("no volumes by surfaces: they are not cut by dividing planes");
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     results.push_back(std::move(result));
@@ -86,20 +179,13 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
 nlohmann::ordered_json results_json(const std::vector<StructureResult>& results) {
   nlohmann::ordered_json structures = nlohmann::ordered_json::array();
   for (const StructureResult& result : results) {
-    const PlanimetryVolumes& volumes = result.measurement.volumes;
     nlohmann::ordered_json item;
     item["name"] = result.name;
     item["sections"] = result.measurement.sections;
-    // Every name of the interface is there from the start, so that readers need not ask which version wrote the file.
-    item["volume_ml"] = {{"linear_planimetry", number_or_null(volumes.linear_ml)},
-                         {"cubic_planimetry", number_or_null(volumes.cubic_ml)},
-                         {"cubic_planimetry_3d", number_or_null(volumes.cubic_3d_ml)},
-                         {"shape_based", number_or_null(result.surfaces.shape_based_ml)},
-                         {"centroid_guided", number_or_null(result.surfaces.centroid_guided_ml)},
-                         {"disc_guided", number_or_null(result.surfaces.disc_guided_ml)},
-                         {"disc_guided_curved", number_or_null(result.surfaces.disc_guided_curved_ml)}};
+    item["volume_ml"] = volumes_json(result.measurement.volumes, result.surfaces);
     item["volume_interval_ml"] = nullptr;
     item["partitions"] = nlohmann::ordered_json::array();
+    for (const PartResult& part : result.partitions) item["partitions"].push_back(part_json(part));
     item["warnings"] = result.measurement.warnings;
     item["seconds"] = result.seconds;
     structures.push_back(std::move(item));

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/progress.h"
+#include "exam/scan.h"
 #include "measurement/planimetry.h"
 #include "registration/frame_locator.h"
+#include "registration/partition.h"
 #include "segmentation/contours.h"
 
 namespace fathom {
@@ -21,12 +23,23 @@ struct SurfaceVolumes {
   std::optional<double> disc_guided_curved_ml;  ///< of second order: reads the outlines beyond as well
 };
 
+/// What was measured of a structure in one part of space, or in one sweep where nothing divides space.
+struct PartResult {
+  std::size_t region = 0;
+  std::size_t sweep = 0;
+  VolumeMeasurement measurement;  ///< its warnings are among the structure's, too
+  SurfaceVolumes surfaces;
+  double missing_ml = 0.0;  ///< estimate of what its sections do not reach
+  std::string loss;         ///< the same in words; empty where nothing worth saying is missing
+};
+
 /// What was measured of one structure.
 struct StructureResult {
   std::string name;
   VolumeMeasurement measurement;  ///< with all warnings
   SurfaceVolumes surfaces;
-  double seconds = 0.0;  ///< time that the measurement took
+  std::vector<PartResult> partitions;  ///< their sum is `measurement`; empty where the scan was taken as one sweep
+  double seconds = 0.0;                ///< time that the measurement took
 };
 
 struct MeasureOptions {
@@ -38,6 +51,20 @@ struct MeasureOptions {
 /// Throws Error as cross_sections does; Cancelled.
 std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Recording& recording,
                                                 const FrameLocator& locator, const MeasureOptions& options = {},
+                                                const Progress& progress = {});
+
+/// How the sweeps of a scan share space.
+struct Division {
+  std::vector<Sweep> sweeps;
+  SpacePartition partition;  ///< of these sweeps; without planes every sweep is measured by itself
+};
+
+/// The same of several sweeps, perhaps of several recordings: every structure is measured in each part of space by the
+/// sweep that is used there, and these volumes are added. Surfaces are made of whole sweeps only: where planes divide
+/// space their volumes are empty, with the reason among the warnings.
+/// Throws Error as measure_partitions and measure_sweeps do; Cancelled.
+std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Scan& scan,
+                                                const Division& division, const MeasureOptions& options = {},
                                                 const Progress& progress = {});
 
 /// The results as other programs read them: the keys of `fathom measure --json` (docs/file-formats.md). A method

@@ -65,6 +65,19 @@ DividingPlane read_plane(const JsonValue& item) {
   return {normal.normalized(), -offset_mm};
 }
 
+// Whether no other sweep's centre lies in the ball that has the way between these two as its diameter: then another
+// one separates them already.
+bool are_neighbours(const std::vector<SweepShape>& sweeps, std::size_t i, std::size_t j) {
+  const Eigen::Vector3d a = sweeps[i].centre_mm();
+  const Eigen::Vector3d b = sweeps[j].centre_mm();
+  for (std::size_t k = 0; k < sweeps.size(); ++k) {
+    if (k == i || k == j) continue;
+    const Eigen::Vector3d c = sweeps[k].centre_mm();
+    if ((a - c).dot(b - c) < 0.0) return false;
+  }
+  return true;
+}
+
 Sweep read_sweep(const JsonValue& item) {
   Sweep sweep;
   if (item.has("recording")) sweep.recording = static_cast<std::size_t>(item.at("recording").integer(0, kMaxFrame));
@@ -90,8 +103,10 @@ DividingPlane plane_between(const SweepShape& a, const SweepShape& b) {
 
 SpacePartition place_dividing_planes(std::vector<SweepShape> sweeps, std::vector<std::string>* warnings) {
   std::vector<DividingPlane> planes;
+  const bool few = sweeps.size() * (sweeps.size() - 1) / 2 <= SpacePartition::kMaxPlanes;
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     for (std::size_t j = i + 1; j < sweeps.size(); ++j) {
+      if (!few && !are_neighbours(sweeps, i, j)) continue;
       if (planes.size() == SpacePartition::kMaxPlanes) {
         throw Error("too many sweeps: more than 32 planes would lie between them; join or drop some");
       }

@@ -14,7 +14,8 @@ namespace fathom {
 /// Treece 2000, equation (4.1).
 DividingPlane plane_between(const SweepShape& a, const SweepShape& b);
 
-/// A partition with a plane between every two sweeps, as far as they separate any. Pairs of sweeps that cannot be
+/// A partition with a plane between every two sweeps, as far as they separate any; of more than eight sweeps between
+/// those that have none between them. Pairs of sweeps that cannot be
 /// separated are named in `warnings`, if any. Throws Error for more sweeps than SpacePartition has planes for.
 SpacePartition place_dividing_planes(std::vector<SweepShape> sweeps, std::vector<std::string>* warnings);
 

@@ -111,15 +111,23 @@ std::string contours_json(const std::vector<Structure>& structures) {
 }
 
 void require_measurable(const std::vector<Structure>& structures, int frame_count, const std::string& file) {
+  require_measurable(structures, std::vector<int>{frame_count}, OpenContours::kRefuse, file);
+}
+
+void require_measurable(const std::vector<Structure>& structures, const std::vector<int>& frame_counts,
+                        OpenContours open, const std::string& file) {
   for (const Structure& structure : structures) {
     const auto fail = [&](int frame, const std::string& what) {
       throw Error(file + ": structure " + structure.name + ": frame " + std::to_string(frame) + " " + what);
     };
     const auto require_place = [&](int frame, int recording) {
-      if (recording != 0) {
-        fail(frame, "stands on recording " + std::to_string(recording) +
-                        " of an exam; give the contours that were drawn on this recording alone");
+      if (recording < 0 || static_cast<std::size_t>(recording) >= frame_counts.size()) {
+        const bool alone = frame_counts.size() == 1;
+        fail(frame, "stands on recording " + std::to_string(recording) + " of an exam" +
+                        (alone ? "; give the contours that were drawn on this recording alone"
+                               : ", which has no such recording; give the contours that were drawn in this exam"));
       }
+      const int frame_count = frame_counts[static_cast<std::size_t>(recording)];
       if (frame < 0 || frame >= frame_count) {
         fail(frame, "is not in the recording, which has " + std::to_string(frame_count) +
                         " frames, numbered from 0; give the contours that were drawn on this recording");
@@ -127,7 +135,7 @@ void require_measurable(const std::vector<Structure>& structures, int frame_coun
     };
     for (const Contour& contour : structure.contours) {
       require_place(contour.frame, contour.recording);
-      if (!contour.closed) {
+      if (!contour.closed && open == OpenContours::kRefuse) {
         fail(contour.frame, "has an open contour, which encloses no area; close it, or leave it out");
       }
     }

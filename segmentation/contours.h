@@ -61,6 +61,16 @@ std::string contours_json(const std::vector<Structure>& structures);
 /// contours file, for the message.
 void require_measurable(const std::vector<Structure>& structures, int frame_count, const std::string& file);
 
+/// What becomes of contours that are open.
+enum class OpenContours {
+  kRefuse,
+  kAllow  ///< their ends may lie where another sweep is used
+};
+
+/// The same on the recordings of an exam, which have so many frames each.
+void require_measurable(const std::vector<Structure>& structures, const std::vector<int>& frame_counts,
+                        OpenContours open, const std::string& file);
+
 /// A warning for the user where outlines reach farther out of the image than a quarter of its size: they may have been
 /// drawn on another recording. Allowed, since an organ may be larger than the image. `width` and `height` in pixels.
 std::optional<std::string> outside_image_warning(const Structure& structure, int width, int height);

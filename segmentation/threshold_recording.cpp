@@ -87,8 +87,8 @@ Structure segment_by_threshold(const Recording& recording, const ThresholdRecord
 }
 
 int outlined_frames(const Structure& structure) {
-  std::set<int> frames;
-  for (const Contour& contour : structure.contours) frames.insert(contour.frame);
+  std::set<std::pair<int, int>> frames;
+  for (const Contour& contour : structure.contours) frames.insert({contour.recording, contour.frame});
   return static_cast<int>(frames.size());
 }
 

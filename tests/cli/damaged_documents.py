@@ -1,4 +1,4 @@
-"""Damaged calibrations and contours, made from good ones. Each case: a name and the content of the file."""
+"""Damaged calibrations, contours and exams, made from good ones. Each case: a name and the content of the file."""
 
 import json
 
@@ -197,6 +197,8 @@ def landmarks():
     yield "1001 landmarks", b"1,2,3\n" * 1001
     yield "a line of 900 kB", b"A," + b"1" * 900_000 + b",2,3\n"
     yield "more than 1 MB", b"#" * 1_000_001
+
+
 def planes(good_text, frames):
     """Dividing planes for a recording of this many frames."""
     good = json.loads(good_text)
@@ -225,3 +227,39 @@ def planes(good_text, frames):
     yield "a sweep beyond the recording", sweeps((0, frames))
     yield "a sweep of negative frames", sweeps((-2, 3))
     yield "a sweep of another recording", changed(sweeps=[{"recording": 1, "first": 0, "last": 2}])
+
+
+def exams():
+    """Exam files, of which none names a recording that is there."""
+    good = {"fathom_exam": 1, "recordings": ["scan.mha"], "sweeps": [{"recording": 0, "first": 0, "last": 5}],
+            "dividing_planes": [{"normal": [1, 0, 0], "offset_mm": 2}], "structures": "contours.json"}
+
+    def changed(**values):
+        return json.dumps({**good, **values}).encode()
+
+    def planes(normal, offset=1):
+        return changed(dividing_planes=[{"normal": normal, "offset_mm": offset}])
+
+    def sweep(**values):
+        return changed(sweeps=[{**good["sweeps"][0], **values}])
+
+    yield from broken_json(json.dumps(good).encode())
+    yield "another kind of file", b'{"fathom_contours": 1, "structures": []}'
+    yield "of a version to come", changed(fathom_exam=2)
+    yield "a recording that is missing", changed()
+    for recordings in ([], "scan.mha", [7], [""], ["."], ["scan.mha"] * 2, ["../scan.mha"], ["/scan.mha"], ["a\n.mha"],
+                       ["x" * 5000], [str(number) for number in range(1001)]):
+        yield f"recordings {str(recordings)[:40]}", changed(recordings=recordings)
+    yield "contours elsewhere", changed(structures="sub/../../contours.json")
+    yield "a calibration that is an object", changed(calibration={})
+    yield "a patient that is a number", changed(patient=7)
+    for normal in ([1, 0], [0, 0, 0], [2, 0, 0], ["1", 0, 0], [None, 0, 0], 1, {}):
+        yield f"a normal {normal}", planes(normal)
+    yield "a plane too far away", planes([1, 0, 0], 1e300)
+    yield "33 planes", changed(dividing_planes=good["dividing_planes"] * 33)
+    yield "planes that are a text", changed(dividing_planes="none")
+    for values in ({"first": 6}, {"first": -1}, {"last": 1e300}, {"first": 0.5}, {"last": "5"}, {"recording": 1},
+                   {"recording": -1}):
+        yield f"a sweep with {values}", sweep(**values)
+    yield "sweeps that share frames", changed(sweeps=good["sweeps"] * 2)
+    yield "1001 sweeps", changed(sweeps=[{"first": n, "last": n} for n in range(1001)])

@@ -143,6 +143,15 @@ class Suite:
         for name, content in damaged_documents.planes((self.good / "planes.json").read_bytes(), frames=6):
             self.must_refuse(f"planes: {name}", {"damaged.json": content}, runs)
 
+    def exams(self):
+        def runs(path):
+            return {"info": ["info", path.parent, "--json"], "measure": ["measure", path, "--save", "--json"]}
+
+        for name, content in damaged_documents.exams():
+            self.must_refuse(f"exam: {name}", {"exam.json": content}, runs)
+        self.must_refuse("exam: a folder", {"exam.json": damaged_recordings.folder}, runs)
+        self.must_refuse("exam: a pipe", {"exam.json": damaged_recordings.pipe}, runs)
+
     def meshes(self):
         (self.good / "cube.off").write_bytes(damaged_meshes.CUBE)
         good = {}
@@ -208,6 +217,7 @@ def body(program, folder, tally, _root):
     suite.contours()
     suite.landmarks()
     suite.planes()
+    suite.exams()
     suite.without_permission()
 
 

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""Exams: made, shown, measured with several sweeps and recordings; what is wrong with them is refused."""
+
+import json
+import re
+import shutil
+
+from program import complaint_about_error, run_script, tree
+
+FRAMES = 31
+
+
+def statuses(content, lost):
+    return re.sub(rb"(Seq_Frame(\d+)_\w+TransformStatus = )OK",
+                  lambda match: match.group(1) + (b"INVALID" if int(match.group(2)) in lost else b"OK"), content)
+
+
+def part_of(contours, frames, recording):
+    """The outlines on these frames, as those of another recording."""
+    structure = contours["structures"][0]
+    return [{**item, "recording": recording} for item in structure["contours"] if item["frame"] in frames]
+
+
+class Exams:
+    def __init__(self, program, folder, tally):
+        self.program, self.folder, self.tally = program, folder, tally
+        self.scan = folder / "scan.mha"
+        program.must_run("simulate", "--object", "sphere", "--pattern", "linear", "--frames", FRAMES, "--out", self.scan)
+        self.calibration = folder / "scan.calibration.json"
+        self.truth = json.loads((folder / "scan.truth.json").read_text())["volume_ml"]
+        outlines = json.loads((folder / "scan.contours.json").read_text())
+        # The same scan twice, as two recordings of one exam, each outlined on every frame.
+        shutil.copy(self.scan, folder / "again.mha")
+        self.twice = folder / "twice.json"
+        name = outlines["structures"][0]["name"]
+        self.twice.write_text(json.dumps({"fathom_contours": 1, "structures": [{
+            "name": name, "contours": part_of(outlines, range(FRAMES), 0) + part_of(outlines, range(FRAMES), 1)}]}))
+        self.exam = folder / "exam"
+
+    def must_run(self, *arguments):
+        return self.program.must_run(*arguments, cwd=self.folder)
+
+    def check(self, name, complaint):
+        self.tally.check(name, complaint)
+
+    def refused(self, name, *arguments):
+        before = tree(self.folder)
+        outcome = self.program.run(*arguments, cwd=self.folder)
+        changed = tree(self.folder) != before
+        self.check(f"refused: {name}", complaint_about_error(outcome) or (changed and "files changed"))
+
+    def changed_exam(self, **changes):
+        """A copy of the exam whose exam.json has other values."""
+        copy = self.folder / "changed"
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(self.exam, copy)
+        document = {**json.loads((copy / "exam.json").read_text()), **changes}
+        (copy / "exam.json").write_text(json.dumps({k: v for k, v in document.items() if v is not ...}))
+        return copy
+
+    def one_recording(self):
+        exam = self.folder / "single"
+        self.must_run("exam", "create", exam, "--recording", self.scan, "--calibration", self.calibration, "--contours",
+                      self.folder / "scan.contours.json", "--patient", "P-1", "--notes", "full bladder")
+        stored = json.loads((exam / "exam.json").read_text())
+        self.check("the exam names its files", stored["recordings"] != ["scan.mha"] or stored["patient"] != "P-1")
+        self.check("recordings are copied to the byte", (exam / "scan.mha").read_bytes() != self.scan.read_bytes())
+        alone = self.must_run("measure", self.scan, "--calibration", self.calibration, "--contours",
+                              self.folder / "scan.contours.json", "--json").json()["structures"][0]["volume_ml"]
+        document = {**stored, "from_elsewhere": {"kept": [1]}}
+        (exam / "exam.json").write_text(json.dumps(document))
+        saved = self.must_run("measure", exam, "--save", "--json").json()
+        self.check("an exam measures as its files do", saved["structures"][0]["volume_ml"] != alone and saved)
+        stored = json.loads((exam / "exam.json").read_text())
+        self.check("results are saved", stored["results"] != saved)
+        self.check("unknown keys are kept", stored.get("from_elsewhere") != {"kept": [1]})
+        for arguments in (["sweeps", exam, "--save"], ["planes", exam, "--save", "--add", "1,0,0,900"],
+                          ["surface", exam, "--out", "s.ply"], ["reconstruct", exam, "--spacing-mm", 1, "--out", "v.mha"],
+                          ["convert", exam, "c.mha"], ["segment", exam, "--threshold", 128, "--out", "seg.json"],
+                          ["info", exam]):
+            self.must_run(*arguments)
+        stored = json.loads((exam / "exam.json").read_text())
+        self.check("sweeps and planes are saved", len(stored["sweeps"]) != 1 or len(stored["dividing_planes"]) != 1)
+        told = self.must_run("info", exam, "--json").json()
+        self.check("info tells of exam and recording", told["width"] <= 0 or told["exam"]["patient"] != "P-1")
+        again = self.must_run("measure", exam, "--no-surfaces", "--json").json()["structures"][0]
+        self.check("a plane through nothing changes nothing", abs(
+            again["volume_ml"]["cubic_planimetry"] / alone["cubic_planimetry"] - 1) > 1e-9 and again)
+        self.must_run("exam", "update", exam, "--notes", "empty bladder", "--contours", self.twice.parent / "seg.json")
+        stored = json.loads((exam / "exam.json").read_text())
+        self.check("an update keeps the rest", (stored["notes"], stored["patient"], stored["structures"]) != (
+            "empty bladder", "P-1", "seg.json") and stored)
+        self.refused("an exam in the place of another", "exam", "create", exam, "--recording", self.scan)
+
+    def two_recordings(self):
+        exam = self.exam
+        self.must_run("exam", "create", exam, "--recording", self.scan, "--recording", self.folder / "again.mha",
+                      "--calibration", self.calibration, "--contours", self.twice)
+        apart = self.must_run("measure", exam, "--json").json()["structures"][0]
+        self.check("no planes, no sum", apart["volume_ml"]["cubic_planimetry"] is not None and apart)
+        self.check("a volume for each sweep", [abs(p["volume_ml"]["cubic_planimetry"] / self.truth - 1) > 0.01
+                                               for p in apart["partitions"]] != [False, False] and apart)
+        self.check("and a warning", not any("no sum" in warning for warning in apart["warnings"]) and apart)
+        self.must_run("sweeps", exam, "--save")
+        middle = self.middle()
+        for plane in ("1,0,0", "0,1,0", "0,0,1"):
+            normal = [float(text) for text in plane.split(",")]
+            planes = self.folder / "planes.json"
+            planes.write_text(json.dumps({"dividing_planes": [
+                {"normal": normal, "offset_mm": sum(a * b for a, b in zip(normal, middle))}]}))
+            divided = self.must_run("measure", exam, "--planes", planes, "--json").json()["structures"][0]
+            parts = [part["volume_ml"]["cubic_planimetry"] or 0 for part in divided["partitions"]]
+            total = divided["volume_ml"]["cubic_planimetry"]
+            self.check(f"the parts add up ({plane})", total is not None and abs(sum(parts) - total) > 1e-9 and divided)
+            self.check(f"keys of a part ({plane})", any({"sweep", "volume_ml", "loss_ml", "loss"} - set(part)
+                                                        for part in divided["partitions"]) and divided)
+        told = self.must_run("info", exam, "--json").json()
+        self.check("frames of both", told["frames"] != 2 * FRAMES and told)
+        self.must_run("measure", exam)
+        for arguments in (["surface", exam, "--out", "s2.ply"], ["convert", exam, "c2.mha"],
+                          ["reconstruct", exam, "--spacing-mm", 1, "--out", "v2.mha"]):
+            self.refused(f"{arguments[0]} of two recordings", *arguments)
+        # Both sweeps have the same centre: no plane lies between them, and that is said.
+        placed = self.must_run("planes", exam, "--json").json()
+        self.check("sweeps on top of each other", not placed["warnings"] and placed)
+
+    def middle(self):
+        """Where the middle of the middle frame lies."""
+        calibration = json.loads(self.calibration.read_text())
+        m = calibration["image_to_probe"]
+        text = re.search(rb"Seq_Frame0*%d_ProbeToTrackerTransform = ([^\n]+)" % (FRAMES // 2), self.scan.read_bytes())
+        p = [float(number) for number in text.group(1).split()]
+        x, y = calibration["width"] / 2, calibration["height"] / 2
+        probe = [m[4 * i] * x + m[4 * i + 1] * y + m[4 * i + 3] for i in range(3)]
+        return [sum(p[4 * i + j] * probe[j] for j in range(3)) + p[4 * i + 3] for i in range(3)]
+
+    def bad_planes(self):
+        content = self.scan.read_bytes()
+        (self.folder / "none.mha").write_bytes(statuses(content, range(FRAMES)))
+        (self.folder / "few.mha").write_bytes(statuses(content, range(2, FRAMES)))
+        drawn = ["--calibration", self.calibration, "--contours", self.folder / "scan.contours.json", "--no-surfaces"]
+
+        def with_planes(*planes, sweeps=None):
+            document = {"dividing_planes": [{"normal": n, "offset_mm": o} for n, o in planes]}
+            if sweeps is not None:
+                document["sweeps"] = [{"first": first, "last": last} for first, last in sweeps]
+            (self.folder / "p.json").write_text(json.dumps(document))
+            return self.folder / "p.json"
+
+        def measured(planes):
+            return self.must_run("measure", self.scan, *drawn, "--planes", planes, "--json").json()["structures"][0]
+
+        whole = measured(with_planes())["volume_ml"]["linear_planimetry"]
+        parallel = [([0, 0, 1], offset) for offset in range(-16, 16)]
+        for name, planes in (("through nothing", [([1, 0, 0], 1e5)]), ("32 parallel ones", parallel),
+                             ("the same plane twice", [([1, 0, 0], 0)] * 2)):
+            volume = measured(with_planes(*planes))["volume_ml"]["linear_planimetry"]
+            self.check(f"one sweep, planes {name}", abs(volume / whole - 1) > 1e-9 and volume)
+        one = measured(with_planes(([0, 0, 1], 0), sweeps=[(0, 0), (1, FRAMES - 1)]))
+        self.check("a sweep of one frame", not one["partitions"] and one)
+        for name, planes in (
+                ("33 planes", with_planes(*parallel, ([1, 0, 0], 0))),):
+            self.refused(name, "measure", self.scan, *drawn, "--planes", planes)
+        for name, sweeps in (("sweeps that overlap", [(0, 10), (10, 20)]), ("a sweep beyond the recording", [(0, FRAMES)]),
+                             ("a sweep that runs backward", [(5, 2)])):
+            self.refused(name, "measure", self.scan, *drawn, "--planes", with_planes(([0, 0, 1], 0), sweeps=sweeps))
+        self.refused("all frames invalid", "measure", self.folder / "none.mha", *drawn, "--planes",
+                     with_planes(([0, 0, 1], 0)))
+        self.refused("a sweep without a pose", "measure", self.folder / "few.mha", *drawn, "--planes",
+                     with_planes(([0, 0, 1], 0), sweeps=[(0, 1), (2, FRAMES - 1)]))
+        outcome = self.program.run("measure", self.scan, cwd=self.folder)
+        self.check("a recording without a calibration is a wrong command line", outcome.status != 2 and f"{outcome}")
+        outcome = self.program.run("measure", self.scan, *drawn, "--save", cwd=self.folder)
+        self.check("nothing to save to is a wrong command line", outcome.status != 2 and f"{outcome}")
+
+    def bad_exams(self):
+        frames = {"recording": 0, "first": 0, "last": FRAMES}
+        damages = {
+            "no recordings": {"recordings": []}, "another's recording": {"recordings": ["../scan.mha"]},
+            "an absolute path": {"recordings": [str(self.scan)]}, "a missing recording": {"recordings": ["gone.mha"]},
+            "a missing calibration": {"calibration": "gone.json"}, "missing contours": {"structures": "gone.json"},
+            "no calibration": {"calibration": ...}, "no contours": {"structures": ...},
+            "a sweep of another recording": {"sweeps": [{**frames, "recording": 2, "last": 1}]},
+            "a sweep beyond the recording": {"sweeps": [frames]},
+            "a plane without a length": {"dividing_planes": [{"normal": [0, 0, 0], "offset_mm": 1}]},
+            "another version": {"fathom_exam": 2}, "the folder itself": {"recordings": ["."]},
+        }
+        for name, changes in damages.items():
+            copy = self.changed_exam(**changes)
+            self.refused(f"exam: {name}", "measure", copy, "--no-surfaces", "--save")
+        link = self.changed_exam(recordings=["link.mha"], sweeps=[])
+        (link / "link.mha").symlink_to(self.scan)
+        self.refused("exam: a link out of it", "info", link)
+        (self.folder / "empty").mkdir()
+        self.refused("a folder that is no exam", "info", self.folder / "empty")
+        for name, arguments in (("a missing recording", ["--recording", "gone.mha"]),
+                                ("a missing calibration", ["--recording", self.scan, "--calibration", "gone.json"]),
+                                ("contours as calibration", ["--recording", self.scan, "--calibration", self.twice]),
+                                ("contours of two recordings", ["--recording", self.scan, "--contours", self.twice])):
+            self.refused(f"exam create: {name}", "exam", "create", self.folder / "new", *arguments)
+
+
+def body(program, folder, tally, _root):
+    exams = Exams(program, folder, tally)
+    exams.one_recording()
+    exams.two_recordings()
+    exams.bad_planes()
+    exams.bad_exams()
+
+
+if __name__ == "__main__":
+    run_script(__doc__, body)
