@@ -328,6 +328,32 @@ TEST(PartitionSurface, OpenPartsHaveAVolumeWhereNoMoreThanTwoPlanesCut) {
   }
 }
 
+TEST(PartitionSurface, SweepsThatSeeOtherHalvesHaveNoSum) {
+  // The first sweep sees what is left of a plane, the second what is right; the dividing plane stands across.
+  const std::vector<double> places = evenly(-9.99, 9.99, 30);
+  const FrameLocator locator = scan_of(turning_sweep(places), 0.1);
+  const std::vector<Sweep> sweeps{{0, 0, 14}, {0, 15, 29}};
+  const SpacePartition partition({one_centre({-30, 0, -5}), one_centre({30, 0, 5})},
+                                 {DividingPlane(Eigen::Vector3d::UnitX(), 0.0)});
+  const auto surface =
+      partition_surface(ball(locator, Eigen::Vector3d::Zero(), kRadius), locator, sweeps, partition, spaced(0.5));
+  EXPECT_EQ(surface.parts.size(), 2u);
+  EXPECT_FALSE(surface.volume_ml.has_value()) << "it would be half the ball";
+  EXPECT_NE(surface.warnings.back().find("most of the cut at dividing plane 1"), std::string::npos);
+}
+
+TEST(PartitionSurface, PlanesThatGrazeTheBallSpoilNothing) {
+  Random random(21);
+  for (const double height : {9.6, 9.9, 9.99}) {
+    const TwoSweeps two = two_sweeps(random, height);
+    const FrameLocator locator = two.scan.locator();
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
+                                           two.partition, spaced(0.5, GapOrder::kCurved));
+    ASSERT_TRUE(surface.volume_ml.has_value()) << height;
+    EXPECT_NEAR(*surface.volume_ml, kBall_ml, 0.006 * kBall_ml);
+  }
+}
+
 TEST(PartitionSurface, OutlinesThatEndShortOfThePlaneAreSaidWithWhatIsMissing) {
   // Both sweeps along z, the first from below to 1 mm short of the plane at 2 mm, the second from 3 mm short of it on.
   std::vector<Eigen::Isometry3d> poses;
