@@ -21,8 +21,13 @@ namespace fathom {
 namespace {
 
 constexpr double kMm3PerMl = 1000.0;
-// Share of a cut that may be inside on one side only before it is worth a word: interpolation does as much.
+// Share of a cut that may be inside on one side only before it is worth a word: interpolation does as much. Where it is
+// most of the cut, what one side lacks is in no part, or in two.
 constexpr double kMismatch = 0.05;
+constexpr double kNoSum = 0.5;
+// Shares of the volume below which what such an area bounds, as deep as wide, is neither: the plane grazes.
+constexpr double kGrazing = 1e-3;
+constexpr double kGrazingNoSum = 0.02;
 constexpr int kClosingSteps = 32;  // at which the line that closes a contour is looked at
 
 std::string numbered(const char* what, std::size_t index) { return what + (" " + std::to_string(index + 1)); }
@@ -118,6 +123,17 @@ std::pair<PartSurface, ClippedMesh> cut_part(const ContourSurface& whole, const 
   return {std::move(part), std::move(closed)};
 }
 
+double parts_ml(const PartitionedSurface& surface) {
+  double sum_ml = 0.0;
+  for (const PartSurface& part : surface.parts) sum_ml += part.volume_ml.value_or(0.0);
+  return sum_ml;
+}
+
+bool is_apart(const PlaneMatch& match, double volume_ml, double share, double grazing) {
+  return match.mismatch_share() > share &&
+         std::pow(match.mismatch_mm2, 1.5) / kMm3PerMl > grazing * std::abs(volume_ml);
+}
+
 // Why the sum of all parts is not the structure's volume; empty where it is.
 std::string missing_part(const PartitionedSurface& surface, std::span<const FilledPart> parts,
                          const std::vector<bool>& outlined, const SpacePartition& partition) {
@@ -134,6 +150,12 @@ std::string missing_part(const PartitionedSurface& surface, std::span<const Fill
       if (!on_empty_side) continue;
       return "there is no sum: the structure goes on beyond " + numbered("dividing plane", match.plane) + ", where " +
              numbered("sweep", part.space.sweep) + " is used, which has no outlines; outline it there too";
+    }
+  }
+  for (const PlaneMatch& match : surface.planes) {
+    if (is_apart(match, parts_ml(surface), kNoSum, kGrazingNoSum)) {
+      return "there is no sum: most of the cut at " + numbered("dividing plane", match.plane) +
+             " lies in one part only; outline both sweeps on to beyond it, or move it";
     }
   }
   return {};
@@ -227,14 +249,21 @@ PartitionedSurface partition_surface(const Structure& structure, const FrameLoca
     throw Error(locator.recording_name() + ": structure " + structure.name +
                 ": nothing of it lies where the sweep that it was outlined in is used; outline it in the other sweeps");
   }
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    const bool has_part =
+        std::any_of(result.parts.begin(), result.parts.end(), [i](const PartSurface& part) { return part.sweep == i; });
+    if (outlined[i] && !has_part) {
+      result.warnings.push_back("nothing that was outlined in " + numbered("sweep", i) +
+                                " lies where that sweep is used");
+    }
+  }
   result.planes = match_planes(filled, partition);
   for (const PlaneMatch& match : result.planes) {
-    if (match.mismatch_share() > kMismatch) result.warnings.push_back(mismatch_warning(match));
+    if (is_apart(match, parts_ml(result), kMismatch, kGrazing)) result.warnings.push_back(mismatch_warning(match));
   }
   const std::string missing = missing_part(result, filled, outlined, partition);
   if (missing.empty()) {
-    result.volume_ml = 0.0;
-    for (const PartSurface& part : result.parts) *result.volume_ml += *part.volume_ml;
+    result.volume_ml = parts_ml(result);
   } else {
     result.warnings.push_back(missing);
   }

@@ -29,7 +29,7 @@ struct PartSurface {
 struct PartitionedSurface {
   std::vector<PartSurface> parts;
   std::vector<PlaneMatch> planes;   ///< that cut the surface
-  std::optional<double> volume_ml;  ///< sum of the parts; empty where one has none, or is missing
+  std::optional<double> volume_ml;  ///< sum of the parts; empty where one has none or is missing, or two do not meet
   std::vector<std::string> warnings;
 
   /// All parts in one mesh; neighbours have vertices of their own.

@@ -1,6 +1,7 @@
 #include "measurement/short_ends.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <utility>
@@ -51,7 +52,8 @@ std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std:
       if (part.sweep != sweep) continue;
       const auto hit = first_plane(end->centroid_mm, away, part);
       if (!hit) continue;
-      ends.push_back({end->frame, hit->plane, hit->way_mm, hit->way_mm * area_mm2 / kMm3PerMl});
+      ends.push_back({end->frame, hit->plane, area_mm2, hit->way_mm, {}});
+      if (hit->way_mm <= std::sqrt(area_mm2)) ends.back().missing_ml = hit->way_mm * area_mm2 / kMm3PerMl;
       break;
     }
   }
@@ -59,10 +61,17 @@ std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std:
 }
 
 std::string warning_of(const ShortEnd& end, std::size_t sweep) {
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "the outlines of sweep %zu end on frame %d, %.2g mm short of dividing plane %zu: about %.2g ml missing",
-                sweep + 1, end.frame, end.gap_mm, end.plane + 1, end.missing_ml);
+  char text[240];
+  const int length =
+      std::snprintf(text, sizeof text, "the outlines of sweep %zu end on frame %d, %.2g mm short of dividing plane %zu",
+                    sweep + 1, end.frame, end.gap_mm, end.plane + 1);
+  char* rest = text + length;
+  const std::size_t room = sizeof text - static_cast<std::size_t>(length);
+  if (end.missing_ml) {
+    std::snprintf(rest, room, ": about %.2g ml missing", *end.missing_ml);
+  } else {
+    std::snprintf(rest, room, ", where the structure is still %.3g mm2 large; outline it further", end.area_mm2);
+  }
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,10 @@ namespace fathom {
 struct ShortEnd {
   int frame = 0;
   std::size_t plane = 0;
-  double gap_mm = 0.0;      ///< along the section's normal
-  double missing_ml = 0.0;  ///< the section carried on to the plane
+  double area_mm2 = 0.0;  ///< of the section
+  double gap_mm = 0.0;    ///< along the section's normal
+  /// The section carried on to the plane; empty where that is farther than the section is wide, and says nothing.
+  std::optional<double> missing_ml;
 };
 
 /// `sections` are those of sweep `sweep`, in their order: its first and last are looked at.
