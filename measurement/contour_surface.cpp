@@ -209,7 +209,7 @@ std::vector<Section> ContourSurface::Maker::sections_of(const Structure& structu
       sections.push_back(std::move(section));
     }
     if (!marks.absent) ++outlined;
-    any_area = any_area || !marks.outlines.empty();
+    any_area = any_area || even_odd_area(marks.outlines).area_px2 > 0.0;
   }
   while (!sections.empty() && sections.back().absent()) sections.pop_back();
   if (outlined < 2 || !any_area) {
