@@ -267,7 +267,12 @@ void add_surface(CLI::App& app) {
       ->check(above(0.0));
   add_frame_names(*command, options->names);
   command->add_flag("--json", options->json, "Print one JSON object");
-  command->callback([options] { run(*options); });
+  command->callback([options] {
+    if (options->surface.order == GapOrder::kCurved && options->surface.guide == Guide::kCentroids) {
+      throw CLI::ValidationError("--order", "curved needs --method disc or shape");
+    }
+    run(*options);
+  });
 }
 
 }  // namespace fathom

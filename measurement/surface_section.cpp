@@ -8,6 +8,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/error.h"
+#include "measurement/cross_section.h"
 #include "measurement/lost_frames.h"
 #include "measurement/section_shape.h"
 
@@ -125,7 +126,7 @@ std::vector<SurfaceSection> surface_sections(const Structure& structure, const F
       sections.push_back(std::move(section));
     }
     if (!marks.absent) ++outlined;
-    any_area = any_area || !marks.outlines.empty();
+    any_area = any_area || even_odd_area(marks.outlines).area_px2 > 0.0;
   }
   while (!sections.empty() && sections.back().absent()) sections.pop_back();
   if (outlined < 2 || !any_area) {

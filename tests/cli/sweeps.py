@@ -102,8 +102,6 @@ def orders(program, folder, tally):
     same = (folder / "default.ply").read_bytes() == (folder / "curved.ply").read_bytes()
     tally.check("curved where no order is named", not same and "it differs")
     tally.check("the curved order loses less of a ball", error["curved"] >= error["linear"] and f"{error}")
-    tally.check("refused: centroids of curved order", complaint_about_refusal(
-        program, folder, [*drawn, "--order", "curved", "--method", "centroid", "--out", "w.ply"]))
 
 
 def body(program, folder, tally, _root):
