@@ -7,7 +7,6 @@
 
 #include "acquisition/recording.h"
 #include "cli/command.h"
-#include "cli/division.h"
 #include "cli/mesh_output.h"
 #include "cli/options.h"
 #include "cli/output.h"
@@ -23,15 +22,11 @@ namespace fathom {
 namespace {
 
 struct SurfaceCommand {
-  std::string recording;
-  std::string calibration;
-  std::string contours;
+  ScanInput input;
   std::string out;
   std::string structure;
-  std::string planes;
   bool open = false;
   ContourSurfaceOptions surface;
-  FrameNames names;
   bool json = false;
 };
 
@@ -46,16 +41,16 @@ const std::map<std::string, GapOrder>& orders() {
   return by_name;
 }
 
-std::vector<Structure> chosen_structures(const SurfaceCommand& command) {
-  std::vector<Structure> structures = read_contours(command.contours);
-  if (structures.empty()) throw Error(command.contours + ": holds no structure; outline one first");
+std::vector<Structure> chosen_structures(const SurfaceCommand& command, const std::string& contours) {
+  std::vector<Structure> structures = read_contours(contours);
+  if (structures.empty()) throw Error(contours + ": holds no structure; outline one first");
   if (command.structure.empty()) return structures;
   std::string names;
   for (const Structure& structure : structures) {
     if (structure.name == command.structure) return {structure};
     names += (names.empty() ? "" : ", ") + structure.name;
   }
-  throw Error(command.contours + ": has no structure '" + command.structure + "'; it has " + names);
+  throw Error(contours + ": has no structure '" + command.structure + "'; it has " + names);
 }
 
 // One mesh goes to the file itself, several to files that bear the structures' names before the extension.
@@ -70,7 +65,7 @@ std::vector<std::filesystem::path> files_for(const SurfaceCommand& command, cons
       if (c == '/' || c == '\\') c = '_';
     }
     if (!used.insert(name).second) {
-      throw Error(command.contours + ": two structures would both be written to the file of '" + name +
+      throw Error("two structures would both be written to the file of '" + name +
                   "'; rename one, or choose one by --structure");
     }
     std::filesystem::path file = out;
@@ -120,11 +115,11 @@ Made make_surface(const SurfaceCommand& command, const Structure& structure, con
   return {std::move(report), {}};
 }
 
-Made make_parts(const SurfaceCommand& command, const Structure& structure, const FrameLocator& locator,
-                const Division& division, AtomicFile& file, const Progress& progress) {
+Made make_parts(const SurfaceCommand& command, const Structure& structure, const Scan& scan, const Division& division,
+                AtomicFile& file, const Progress& progress) {
   const Caps caps = command.open ? Caps::kOpen : Caps::kClosed;
-  PartitionedSurface surface = partition_surface(structure, locator, division.sweeps, division.partition,
-                                                 command.surface, caps, part_of(progress, 0.0, 0.9));
+  PartitionedSurface surface =
+      partition_surface(structure, scan.locators, division, command.surface, caps, part_of(progress, 0.0, 0.9));
   const Mesh mesh = surface.mesh();
   write(mesh, structure, file, part_of(progress, 0.9, 1.0));
   MeshReport report = report_of(mesh, "leave out --open");
@@ -169,29 +164,22 @@ void print_parts(const PartitionedSurface& surface) {
   }
 }
 
-// Open contours are closed where planes say that another sweep is used at their ends.
-std::vector<Structure> closed(std::vector<Structure> structures) {
-  for (Structure& structure : structures) {
-    for (Contour& contour : structure.contours) contour.closed = true;
-  }
-  return structures;
+// Whether the surface is made of parts: where planes divide space, or recordings can only be put together by planes.
+bool is_divided(const std::optional<Division>& division, const Scan& scan) {
+  return division && (scan.recordings.size() > 1 || !division->partition.planes().empty());
 }
 
-void run(SurfaceCommand command) {
+void run(const SurfaceCommand& command) {
   command.surface.check();
   require_mesh_name(command.out);
-  const auto recording = open_only_recording(command.recording, "surface");
-  const auto exam = read_if_exam(command.recording);
-  const ScanInput input{command.recording, command.calibration, command.contours, {}, command.names};
-  command.contours = contours_file(input, exam);
-  const Calibration calibration = read_calibration(calibration_file(input, exam), command.names.probe);
-  const std::vector<Structure> structures = chosen_structures(command);
-  const std::vector<Structure> outlined = command.planes.empty() ? structures : closed(structures);
-  require_measurable(outlined, recording->header().frame_count(), command.contours);
-  require_simple_outlines(outlined, command.contours);
-  const FrameLocator locator(*recording, calibration, command.names);
-  std::optional<Division> division;
-  if (!command.planes.empty()) division = read_division(command.planes, *recording, locator);
+  const auto exam = read_if_exam(command.input.recording);
+  const std::string contours = contours_file(command.input, exam);
+  const Scan scan = open_scan(command.input, exam);
+  const std::vector<Structure> structures = chosen_structures(command, contours);
+  const std::optional<Division> division = division_of(command.input, exam, scan, structures);
+  const bool divided = is_divided(division, scan);
+  require_measurable(structures, frame_counts(scan), divided ? OpenContours::kAllow : OpenContours::kRefuse, contours);
+  require_simple_outlines(structures, contours);
   const std::vector<std::filesystem::path> paths = files_for(command, structures);
 
   const Progress progress = progress_bar("making the surface");
@@ -205,8 +193,8 @@ void run(SurfaceCommand command) {
     to_commit.push_back(files.back().get());
     const Progress here = part_of(progress, done, done + step);
     const auto start = std::chrono::steady_clock::now();
-    made.push_back(division ? make_parts(command, structures[i], locator, *division, *files.back(), here)
-                            : make_surface(command, structures[i], locator, *files.back(), here));
+    made.push_back(divided ? make_parts(command, structures[i], scan, *division, *files.back(), here)
+                           : make_surface(command, structures[i], scan.locators.front(), *files.back(), here));
     made.back().mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   AtomicFile::commit_all(to_commit);
@@ -235,9 +223,9 @@ void run(SurfaceCommand command) {
 void add_surface(CLI::App& app) {
   auto options = std::make_shared<SurfaceCommand>();
   CLI::App* command = app.add_subcommand("surface", "Make the surface of outlined structures as a triangle mesh");
-  add_recording(*command, options->recording);
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML (default: the exam's)");
-  command->add_option("--contours", options->contours, "The contours file (default: the exam's)");
+  add_recording(*command, options->input.recording);
+  add_calibration(*command, options->input);
+  add_contours(*command, options->input);
   command
       ->add_option(
           "--out", options->out,
@@ -245,10 +233,10 @@ void add_surface(CLI::App& app) {
           "extension")
       ->required();
   command->add_option("--structure", options->structure, "Only this structure");
-  CLI::Option* planes = command->add_option(
-      "--planes", options->planes, "What `fathom planes` wrote: each part of space is taken from its own sweep");
-  command->add_flag("--open", options->open, "With --planes: leave the parts open where planes cut them")
-      ->needs(planes);
+  command->add_option(
+      "--planes", options->input.planes,
+      "What `fathom planes` wrote: each part of space is taken from its own sweep (default: the exam's)");
+  command->add_flag("--open", options->open, "Leave the parts open where dividing planes cut them");
   command
       ->add_option("--method", options->surface.guide,
                    "What guides the interpolation between outlines: disc, shape or centroid")
@@ -265,7 +253,7 @@ void add_surface(CLI::App& app) {
       ->add_option("--spacing-mm", options->surface.spacing_mm,
                    "Size of the lattice; an eightieth of the structure's extent by default")
       ->check(above(0.0));
-  add_frame_names(*command, options->names);
+  add_frame_names(*command, options->input.names);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] {
     if (options->surface.order == GapOrder::kCurved && options->surface.guide == Guide::kCentroids) {

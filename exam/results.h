@@ -9,8 +9,8 @@
 #include "core/progress.h"
 #include "exam/scan.h"
 #include "measurement/planimetry.h"
+#include "registration/division.h"
 #include "registration/frame_locator.h"
-#include "registration/partition.h"
 #include "segmentation/contours.h"
 
 namespace fathom {
@@ -52,12 +52,6 @@ struct MeasureOptions {
 std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Recording& recording,
                                                 const FrameLocator& locator, const MeasureOptions& options = {},
                                                 const Progress& progress = {});
-
-/// How the sweeps of a scan share space.
-struct Division {
-  std::vector<Sweep> sweeps;
-  SpacePartition partition;  ///< of these sweeps; without planes every sweep is measured by itself
-};
 
 /// The same of several sweeps, perhaps of several recordings: every structure is measured in each part of space by the
 /// sweep that is used there, and these volumes are added. Surfaces are made of whole sweeps only: where planes divide

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/numbers.h"
 #include "measurement/cross_section.h"
+#include "measurement/section_outline.h"
 #include "measurement/short_ends.h"
 #include "registration/convex_parts.h"
 #include "surface/mesh_measure.h"
@@ -31,20 +32,6 @@ constexpr double kGrazingNoSum = 0.02;
 constexpr int kClosingSteps = 32;  // at which the line that closes a contour is looked at
 
 std::string numbered(const char* what, std::size_t index) { return what + (" " + std::to_string(index + 1)); }
-
-// What was marked in one sweep, its contours closed.
-Structure marked_in(const Structure& structure, const Sweep& sweep) {
-  const auto here = [&sweep](const auto& mark) {
-    return mark.recording == static_cast<int>(sweep.recording) && contains(sweep, mark.frame);
-  };
-  Structure marked{structure.name, structure.color, {}, {}, {}};
-  std::copy_if(structure.contours.begin(), structure.contours.end(), std::back_inserter(marked.contours), here);
-  std::copy_if(structure.absent.begin(), structure.absent.end(), std::back_inserter(marked.absent), here);
-  std::copy_if(structure.extremities.begin(), structure.extremities.end(), std::back_inserter(marked.extremities),
-               here);
-  for (Contour& contour : marked.contours) contour.closed = true;
-  return marked;
-}
 
 int frames_with_marks(const Structure& structure) {
   std::set<int> frames;
@@ -171,25 +158,28 @@ std::string mismatch_warning(const PlaneMatch& match) {
 }
 
 // Makes the surfaces of all sweeps that have outlines and are used somewhere; nothing for others.
-std::vector<std::optional<ContourSurface>> sweep_surfaces(
-    const Structure& structure, const FrameLocator& locator, std::span<const Sweep> sweeps,
-    const SpacePartition& partition, const std::vector<bool>& used, const ContourSurfaceOptions& options,
-    const Progress& progress, std::vector<std::string>& warnings) {
-  std::vector<std::optional<ContourSurface>> surfaces(sweeps.size());
-  for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    const Structure marked = marked_in(structure, sweeps[i]);
+std::vector<std::optional<ContourSurface>> sweep_surfaces(const Structure& structure,
+                                                          std::span<const FrameLocator> locators,
+                                                          const Division& division, const std::vector<bool>& used,
+                                                          const ContourSurfaceOptions& options,
+                                                          const Progress& progress,
+                                                          std::vector<std::string>& warnings) {
+  std::vector<std::optional<ContourSurface>> surfaces(division.sweeps.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const FrameLocator& locator = locators[division.sweeps[i].recording];
+    const Structure marked = part_in_sweep(structure, division.sweeps[i]);
     if (!used[i] || marked.contours.empty()) continue;
     if (frames_with_marks(marked) < 2) {
       throw Error(locator.recording_name() + ": structure " + structure.name + ": " + numbered("sweep", i) +
                   " has one outlined frame, and a surface takes two; outline more of its frames, or none");
     }
-    const double count = static_cast<double>(sweeps.size());
+    const double count = static_cast<double>(surfaces.size());
     const double done = static_cast<double>(i) / count;
     surfaces[i].emplace(locator, options);
     surfaces[i]->update(marked, part_of(progress, done, done + 1.0 / count));
     for (const std::string& warning : surfaces[i]->warnings())
       warnings.push_back(numbered("sweep", i) + ": " + warning);
-    for (const ShortEnd& end : short_ends(cross_sections(marked, locator, nullptr), i, partition)) {
+    for (const ShortEnd& end : short_ends(cross_sections(marked, locator, nullptr), i, division.partition)) {
       warnings.push_back(warning_of(end, i));
     }
   }
@@ -217,12 +207,14 @@ Mesh PartitionedSurface::mesh() const {
   return whole;
 }
 
-PartitionedSurface partition_surface(const Structure& structure, const FrameLocator& locator,
-                                     std::span<const Sweep> sweeps, const SpacePartition& partition,
-                                     const ContourSurfaceOptions& options, Caps caps, const Progress& progress) {
+PartitionedSurface partition_surface(const Structure& structure, std::span<const FrameLocator> locators,
+                                     const Division& division, const ContourSurfaceOptions& options, Caps caps,
+                                     const Progress& progress) {
+  const std::vector<Sweep>& sweeps = division.sweeps;
+  const SpacePartition& partition = division.partition;
   assert(sweeps.size() == partition.sweeps().size());
   if (sweeps.size() > 1 && partition.planes().empty()) {
-    throw Error(locator.recording_name() + ": has " + std::to_string(sweeps.size()) +
+    throw Error(locators.front().recording_name() + ": has " + std::to_string(sweeps.size()) +
                 " sweeps and no dividing planes, so that their surfaces overlap; add a plane");
   }
   PartitionedSurface result;
@@ -230,10 +222,10 @@ PartitionedSurface partition_surface(const Structure& structure, const FrameLoca
   std::vector<bool> used(sweeps.size(), false);
   for (const ConvexPart& space : spaces) used[space.sweep] = true;
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
-    check_closing_lines(structure, locator, sweeps[i], i, partition, result.warnings);
+    check_closing_lines(structure, locators[sweeps[i].recording], sweeps[i], i, partition, result.warnings);
   }
-  const auto surfaces = sweep_surfaces(structure, locator, sweeps, partition, used, options,
-                                       part_of(progress, 0.0, 0.9), result.warnings);
+  const auto surfaces =
+      sweep_surfaces(structure, locators, division, used, options, part_of(progress, 0.0, 0.9), result.warnings);
 
   std::vector<FilledPart> filled;
   std::vector<bool> outlined(sweeps.size(), false);
@@ -246,7 +238,7 @@ PartitionedSurface partition_surface(const Structure& structure, const FrameLoca
     if (!part.surface.mesh.triangles.empty()) result.parts.push_back(std::move(part));
   }
   if (result.parts.empty()) {
-    throw Error(locator.recording_name() + ": structure " + structure.name +
+    throw Error(locators.front().recording_name() + ": structure " + structure.name +
                 ": nothing of it lies where the sweep that it was outlined in is used; outline it in the other sweeps");
   }
   for (std::size_t i = 0; i < sweeps.size(); ++i) {

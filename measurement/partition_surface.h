@@ -9,8 +9,8 @@
 #include "core/progress.h"
 #include "measurement/contour_surface.h"
 #include "measurement/plane_match.h"
-#include "registration/partition.h"
-#include "registration/sweep.h"
+#include "registration/division.h"
+#include "registration/frame_locator.h"
 #include "surface/mesh_clip.h"
 
 namespace fathom {
@@ -41,11 +41,10 @@ struct PartitionedSurface {
 /// between their ends, which lie where another sweep is used (Treece 2000, section 4.2.3). Where a sweep has no
 /// outlines it has no part. With Caps::kOpen, a part has a volume where no more than two planes cut it (appendix B.2).
 ///
-/// `sweeps` are those of the partition, in its order. Throws Error when there are several sweeps but no planes, when no
-/// sweep has a surface, and as ContourSurface and clip_mesh; Cancelled.
-PartitionedSurface partition_surface(const Structure& structure, const FrameLocator& locator,
-                                     std::span<const Sweep> sweeps, const SpacePartition& partition,
-                                     const ContourSurfaceOptions& options, Caps caps = Caps::kClosed,
-                                     const Progress& progress = {});
+/// `locators` are those of the recordings that the sweeps are of. Throws Error when there are several sweeps but no
+/// planes, when no sweep has a surface, and as ContourSurface and clip_mesh; Cancelled.
+PartitionedSurface partition_surface(const Structure& structure, std::span<const FrameLocator> locators,
+                                     const Division& division, const ContourSurfaceOptions& options,
+                                     Caps caps = Caps::kClosed, const Progress& progress = {});
 
 }  // namespace fathom

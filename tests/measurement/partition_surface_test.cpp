@@ -20,8 +20,8 @@ TEST(PartitionSurface, PartsOfABallSeenByTwoSweepsAreItsSegments) {
     SCOPED_TRACE(height);
     const TwoSweeps two = two_sweeps(random, height);
     const FrameLocator locator = two.scan.locator();
-    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
-                                           two.partition, spaced(0.5, GapOrder::kCurved));
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), {&locator, 1},
+                                           {two.scan.sweeps, two.partition}, spaced(0.5, GapOrder::kCurved));
     ASSERT_EQ(surface.parts.size(), 2u);
     for (const PartSurface& part : surface.parts) {
       expect_closed(part.surface.mesh);
@@ -47,8 +47,8 @@ TEST(PartitionSurfaceStudy, PartsOfABallUnderRandomPlanesAndSweeps) {
     const double height = random.uniform(-8.0, 8.0);
     const TwoSweeps two = two_sweeps(random, height);
     const FrameLocator locator = two.scan.locator();
-    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
-                                           two.partition, spaced(0.5, GapOrder::kCurved));
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), {&locator, 1},
+                                           {two.scan.sweeps, two.partition}, spaced(0.5, GapOrder::kCurved));
     for (const PartSurface& part : surface.parts) {
       const double truth = segment_ml(part.sweep == 0 ? height : -height);
       worst_part = std::max(worst_part, std::abs(*part.volume_ml - truth) / kBall_ml);
@@ -70,8 +70,8 @@ TEST(PartitionSurface, MoreFramesBringThePartsNearerToTheBallsSegments) {
     Random random(5);
     const TwoSweeps two = two_sweeps(random, 3.0, frames);
     const FrameLocator locator = two.scan.locator();
-    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
-                                           two.partition, spaced(0.4));
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), {&locator, 1},
+                                           {two.scan.sweeps, two.partition}, spaced(0.4));
     const double error = std::abs(*surface.volume_ml - kBall_ml);
     EXPECT_LT(error, 0.45 * before) << frames;
     before = error;
@@ -97,7 +97,7 @@ TEST(PartitionSurface, WedgesBetweenTwoPlanesThatCrossAreSharesOfTheBall) {
        one_centre(centre + 40.0 * across(-0.5 * (kPi - angle)))},
       {first, second});
   const FrameLocator locator = scan.locator();
-  const auto surface = partition_surface(ball(locator, centre, kRadius), locator, scan.sweeps, partition,
+  const auto surface = partition_surface(ball(locator, centre, kRadius), {&locator, 1}, {scan.sweeps, partition},
                                          spaced(0.5, GapOrder::kCurved));
   ASSERT_EQ(surface.parts.size(), 3u) << "two cells of one sweep are one part";
   double widest = 0.0;
@@ -117,7 +117,7 @@ TEST(PartitionSurface, DoesNotDependOnWhereAllOfItLies) {
   const TwoSweeps two = two_sweeps(random, 2.0, 15);
   const FrameLocator locator = two.scan.locator();
   const Structure structure = ball(locator, two.scan.centre, kRadius);
-  const auto here = partition_surface(structure, locator, two.scan.sweeps, two.partition, spaced(0.7));
+  const auto here = partition_surface(structure, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(0.7));
   const Eigen::Isometry3d motion =
       Eigen::Translation3d(300.0, -2000.0, 150.0) * Eigen::Quaterniond(0.3, 0.5, -0.7, 0.2).normalized();
   std::vector<Eigen::Isometry3d> poses = two.scan.poses;
@@ -126,8 +126,9 @@ TEST(PartitionSurface, DoesNotDependOnWhereAllOfItLies) {
   plane = DividingPlane(motion.linear() * plane.normal(), motion * plane.projection(two.scan.centre));
   std::vector<SweepShape> shapes = two.partition.sweeps();
   for (SweepShape& shape : shapes) shape = one_centre(motion * shape.centres_mm[0]);
+  const FrameLocator moved = scan_of(poses, 0.1);
   const auto there =
-      partition_surface(structure, scan_of(poses, 0.1), two.scan.sweeps, SpacePartition(shapes, {plane}), spaced(0.7));
+      partition_surface(structure, {&moved, 1}, {two.scan.sweeps, SpacePartition(shapes, {plane})}, spaced(0.7));
   ASSERT_EQ(there.parts.size(), here.parts.size());
   for (std::size_t i = 0; i < here.parts.size(); ++i) {
     EXPECT_NEAR(*there.parts[i].volume_ml, *here.parts[i].volume_ml, 1e-4 * kBall_ml);
@@ -144,8 +145,8 @@ TEST(PartitionSurface, OpenPartsHaveAVolumeWhereNoMoreThanTwoPlanesCut) {
   for (const std::size_t count : {1u, 2u, 3u}) {
     planes.emplace_back(Eigen::Vector3d::Unit(static_cast<Eigen::Index>(count) - 1), 1.0);
     const SpacePartition partition({one_centre({30, 30, 30}), one_centre({-30, -30, -30})}, planes);
-    const auto closed = partition_surface(structure, locator, scan.sweeps, partition, spaced(0.8));
-    const auto open = partition_surface(structure, locator, scan.sweeps, partition, spaced(0.8), Caps::kOpen);
+    const auto closed = partition_surface(structure, {&locator, 1}, {scan.sweeps, partition}, spaced(0.8));
+    const auto open = partition_surface(structure, {&locator, 1}, {scan.sweeps, partition}, spaced(0.8), Caps::kOpen);
     ASSERT_EQ(open.parts.size(), closed.parts.size());
     bool any_refused = false;
     for (std::size_t i = 0; i < open.parts.size(); ++i) {

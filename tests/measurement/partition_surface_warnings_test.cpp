@@ -27,7 +27,7 @@ TEST(PartitionSurfaceWarnings, SweepsThatDisagreeAreSaidNotToMeet) {
   for (const Contour& contour : ball(locator, moved, kRadius).contours) {
     if (contour.frame >= two.scan.sweeps[1].first) structure.contours.push_back(contour);
   }
-  const auto surface = partition_surface(structure, locator, two.scan.sweeps, two.partition, spaced(0.5));
+  const auto surface = partition_surface(structure, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(0.5));
   ASSERT_EQ(surface.planes.size(), 1u);
   // Two discs apart by d have in one only: 2 (pi r^2 - overlap).
   const double r = kRadius;
@@ -66,8 +66,8 @@ TEST(PartitionSurfaceWarnings, OpenContoursThatEndBeyondThePlaneChangeNothing) {
     ++opened;
   }
   ASSERT_GT(opened, 10);
-  const auto whole = partition_surface(closed, locator, two.scan.sweeps, two.partition, spaced(0.5));
-  const auto part = partition_surface(open, locator, two.scan.sweeps, two.partition, spaced(0.5));
+  const auto whole = partition_surface(closed, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(0.5));
+  const auto part = partition_surface(open, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(0.5));
   EXPECT_NEAR(*part.volume_ml, *whole.volume_ml, 0.005 * kBall_ml);
   EXPECT_TRUE(part.warnings.empty());
 }
@@ -87,7 +87,7 @@ TEST(PartitionSurfaceWarnings, AnOpenContourWhoseEndsAreJoinedInItsOwnPartIsSaid
   ASSERT_GT(above(*highest), 3.0);
   std::rotate(contour.points_px.begin(), highest, contour.points_px.end());
   contour.closed = false;
-  const auto surface = partition_surface(structure, locator, two.scan.sweeps, two.partition, spaced(1.0));
+  const auto surface = partition_surface(structure, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(1.0));
   ASSERT_FALSE(surface.warnings.empty());
   EXPECT_EQ(surface.warnings[0].find("frame " + std::to_string(contour.frame) + ": the open contour"), 0u)
       << surface.warnings[0];
@@ -99,7 +99,7 @@ TEST(PartitionSurfaceWarnings, ASweepThatWasNotOutlinedLeavesNoSum) {
   const FrameLocator locator = two.scan.locator();
   Structure structure = ball(locator, two.scan.centre, kRadius);
   std::erase_if(structure.contours, [&](const Contour& c) { return c.frame >= two.scan.sweeps[1].first; });
-  const auto surface = partition_surface(structure, locator, two.scan.sweeps, two.partition, spaced(1.0));
+  const auto surface = partition_surface(structure, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(1.0));
   ASSERT_EQ(surface.parts.size(), 1u);
   EXPECT_TRUE(surface.parts[0].volume_ml.has_value());
   EXPECT_FALSE(surface.volume_ml.has_value());
@@ -107,7 +107,7 @@ TEST(PartitionSurfaceWarnings, ASweepThatWasNotOutlinedLeavesNoSum) {
   EXPECT_NE(surface.warnings.back().find("sweep 2"), std::string::npos) << surface.warnings.back();
   // One frame is worse than none.
   structure.contours.push_back(ball(locator, two.scan.centre, kRadius).contours.back());
-  EXPECT_THROW(partition_surface(structure, locator, two.scan.sweeps, two.partition, spaced(1.0)), Error);
+  EXPECT_THROW(partition_surface(structure, {&locator, 1}, {two.scan.sweeps, two.partition}, spaced(1.0)), Error);
 }
 
 TEST(PartitionSurfaceWarnings, SweepsThatSeeOtherHalvesHaveNoSum) {
@@ -129,8 +129,8 @@ TEST(PartitionSurfaceWarnings, PlanesThatGrazeTheBallSpoilNothing) {
   for (const double height : {9.6, 9.9, 9.99}) {
     const TwoSweeps two = two_sweeps(random, height);
     const FrameLocator locator = two.scan.locator();
-    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
-                                           two.partition, spaced(0.5, GapOrder::kCurved));
+    const auto surface = partition_surface(ball(locator, two.scan.centre, kRadius), {&locator, 1},
+                                           {two.scan.sweeps, two.partition}, spaced(0.5, GapOrder::kCurved));
     ASSERT_TRUE(surface.volume_ml.has_value()) << height;
     EXPECT_NEAR(*surface.volume_ml, kBall_ml, 0.006 * kBall_ml);
   }
