@@ -105,11 +105,12 @@ MeshReport make_surface(const SurfaceCommand& command, const Structure& structur
 void run(SurfaceCommand command) {
   command.surface.check();
   require_mesh_name(command.out);
-  const auto recording = open_only_recording(command.recording, "surface");
   const auto exam = read_if_exam(command.recording);
   const ScanInput input{command.recording, command.calibration, command.contours, {}, command.names};
   command.contours = contours_file(input, exam);
-  const Calibration calibration = read_calibration(calibration_file(input, exam), command.names.probe);
+  const std::string calibration_name = calibration_file(input, exam);
+  const auto recording = open_only_recording(command.recording, "surface");
+  const Calibration calibration = read_calibration(calibration_name, command.names.probe);
   const std::vector<Structure> structures = chosen_structures(command);
   require_measurable(structures, recording->header().frame_count(), command.contours);
   require_simple_outlines(structures, command.contours);
