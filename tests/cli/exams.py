@@ -90,6 +90,18 @@ class Exams:
         stored = json.loads((exam / "exam.json").read_text())
         self.check("an update keeps the rest", (stored["notes"], stored["patient"], stored["structures"]) != (
             "empty bladder", "P-1", "seg.json") and stored)
+        elsewhere = self.folder / "elsewhere"
+        elsewhere.mkdir()
+        (elsewhere / "seg.json").write_text((self.folder / "scan.contours.json").read_text())
+        self.must_run("exam", "update", exam, "--contours", elsewhere / "seg.json")
+        stored = json.loads((exam / "exam.json").read_text())
+        self.check("a file of the same name replaces none", stored["structures"] != "seg-2.json" or
+                   (exam / "seg.json").read_bytes() != (self.folder / "seg.json").read_bytes())
+        self.must_run("convert", self.scan, elsewhere / "more.mhd")
+        self.must_run("exam", "update", exam, "--recording", elsewhere / "more.mhd")
+        told = self.must_run("info", exam, "--json").json()["recordings"]
+        self.check("two files of a recording become one", [item["file"] for item in told] != ["scan.mha", "more.mha"] or
+                   told[0]["transforms"] != told[1]["transforms"] and told)
         self.refused("an exam in the place of another", "exam", "create", exam, "--recording", self.scan)
 
     def two_recordings(self):
@@ -98,6 +110,7 @@ class Exams:
                       "--calibration", self.calibration, "--contours", self.twice)
         apart = self.must_run("measure", exam, "--json").json()["structures"][0]
         self.check("no planes, no sum", apart["volume_ml"]["cubic_planimetry"] is not None and apart)
+        self.check("no planes, no loss", any(part["loss_ml"] is not None for part in apart["partitions"]) and apart)
         self.check("a volume for each sweep", [abs(p["volume_ml"]["cubic_planimetry"] / self.truth - 1) > 0.01
                                                for p in apart["partitions"]] != [False, False] and apart)
         self.check("and a warning", not any("no sum" in warning for warning in apart["warnings"]) and apart)
