@@ -19,8 +19,8 @@ struct MeasureCommand {
 };
 
 std::vector<StructureResult> measure(const MeasureCommand& command, const std::optional<Exam>& exam) {
-  const Scan scan = open_scan(command.input, exam);
   const std::string file = contours_file(command.input, exam);
+  const Scan scan = open_scan(command.input, exam);
   const std::vector<Structure> structures = read_contours(file);
   // Whether outlines may be open depends on the planes, which depend on where outlines are.
   require_measurable(structures, frame_counts(scan), OpenContours::kAllow, file);

@@ -43,10 +43,10 @@ void run(const ReconstructCommand& command) {
   options.max_bytes = command.max_memory_mb * 1e6;
   if (!command.clip.empty())
     options.clip = cv::Rect(command.clip[0], command.clip[1], command.clip[2], command.clip[3]);
-  const auto recording = open_only_recording(command.recording, "reconstruct");
   const ScanInput input{command.recording, command.calibration, {}, {}, command.names};
-  const Calibration calibration =
-      read_calibration(calibration_file(input, read_if_exam(command.recording)), command.names.probe);
+  const std::string calibration_name = calibration_file(input, read_if_exam(command.recording));
+  const auto recording = open_only_recording(command.recording, "reconstruct");
+  const Calibration calibration = read_calibration(calibration_name, command.names.probe);
   const FrameLocator locator(*recording, calibration, command.names);
 
   const auto start = std::chrono::steady_clock::now();

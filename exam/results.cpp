@@ -72,7 +72,7 @@ nlohmann::ordered_json part_json(const PartResult& part) {
           {"region", part.region},
           {"sections", part.measurement.sections},
           {"volume_ml", volumes_json(part.measurement.volumes, part.surfaces)},
-          {"loss_ml", part.missing_ml},
+          {"loss_ml", number_or_null(part.missing_ml)},
           {"loss", part.loss.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(part.loss)},
           {"warnings", part.measurement.warnings}};
 }
@@ -160,8 +160,12 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
     result.measurement.volumes = measured.total;
     for (PartitionVolume& part : measured.partitions) {
       result.measurement.sections += part.measurement.sections;
-      result.partitions.push_back(
-          {part.region, part.sweep, std::move(part.measurement), {}, part.missing_ml, std::move(part.loss)});
+      result.partitions.push_back({part.region,
+                                   part.sweep,
+                                   std::move(part.measurement),
+                                   {},
+                                   divided ? std::optional(part.missing_ml) : std::nullopt,
+                                   std::move(part.loss)});
     }
     if (result.partitions.empty()) warnings.push_back("no outline lies in a sweep: no volume; outline the structure");
     if (options.surfaces && !divided) {

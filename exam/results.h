@@ -29,8 +29,9 @@ struct PartResult {
   std::size_t sweep = 0;
   VolumeMeasurement measurement;  ///< its warnings are among the structure's, too
   SurfaceVolumes surfaces;
-  double missing_ml = 0.0;  ///< estimate of what its sections do not reach
-  std::string loss;         ///< the same in words; empty where nothing worth saying is missing
+  /// Estimate of what its sections do not reach before a dividing plane; empty without planes.
+  std::optional<double> missing_ml;
+  std::string loss;  ///< the same in words; empty where nothing worth saying is missing
 };
 
 /// What was measured of one structure.

@@ -112,7 +112,8 @@ PlanimetryVolumes sum_of(const std::vector<PartitionVolume>& partitions) {
       sum += volume.value_or(0.0);
       if (volume) continue;
       lacking += part.missing_ml;
-      known = known && part.measurement.sections < 2;  // a rotational sweep has no estimate
+      // A rotational sweep has no estimate, nor has one section that no plane cuts off.
+      known = known && part.measurement.sections < 2 && part.missing_ml > 0.0;
     }
     if (any && known && lacking <= kNegligible * sum) total.*method = sum;
   }
@@ -146,11 +147,6 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
     std::vector<std::string> warnings;
     sections.push_back(section_outlines(structure, locator, sweeps[s], &warnings));
     warn_of_closed(structure, locator, sweeps[s], s, partition, warnings);
-    const bool used = std::any_of(partition.cells().begin(), partition.cells().end(),
-                                  [&](const SpacePartition::Cell& cell) { return cell.sweep == s; });
-    if (!used && !sections.back().empty()) {
-      warnings.push_back("the planes leave it no part of space: its outlines are not used");
-    }
     add_warnings(std::move(warnings), sweep_name(s) + ": ", result.warnings);
   }
   for (std::size_t region = 0; region < partition.region_count(); ++region) {
@@ -175,6 +171,13 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
     if (!part.loss.empty()) result.warnings.push_back(part.loss);
     add_warnings(part.measurement.warnings, sweep_name(sweep) + ": ", result.warnings);
     result.partitions.push_back(std::move(part));
+  }
+  for (std::size_t s = 0; s < sections.size(); ++s) {
+    const bool used = std::any_of(result.partitions.begin(), result.partitions.end(), [&](const PartitionVolume& part) {
+      return part.sweep == s && part.measurement.sections > 0;
+    });
+    if (used || sections[s].empty()) continue;
+    result.warnings.push_back(sweep_name(s) + ": the planes leave all of its outlines to other sweeps: not used");
   }
   result.total = sum_of(result.partitions);
   return result;

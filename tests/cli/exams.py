@@ -90,6 +90,18 @@ class Exams:
         stored = json.loads((exam / "exam.json").read_text())
         self.check("an update keeps the rest", (stored["notes"], stored["patient"], stored["structures"]) != (
             "empty bladder", "P-1", "seg.json") and stored)
+        elsewhere = self.folder / "elsewhere"
+        elsewhere.mkdir()
+        (elsewhere / "seg.json").write_text((self.folder / "scan.contours.json").read_text())
+        self.must_run("exam", "update", exam, "--contours", elsewhere / "seg.json")
+        stored = json.loads((exam / "exam.json").read_text())
+        self.check("a file of the same name replaces none", stored["structures"] != "seg-2.json" or
+                   (exam / "seg.json").read_bytes() != (self.folder / "seg.json").read_bytes())
+        self.must_run("convert", self.scan, elsewhere / "more.mhd")
+        self.must_run("exam", "update", exam, "--recording", elsewhere / "more.mhd")
+        told = self.must_run("info", exam, "--json").json()["recordings"]
+        self.check("two files of a recording become one", [item["file"] for item in told] != ["scan.mha", "more.mha"] or
+                   told[0]["transforms"] != told[1]["transforms"] and told)
         self.refused("an exam in the place of another", "exam", "create", exam, "--recording", self.scan)
 
     def two_recordings(self):
@@ -98,9 +110,12 @@ class Exams:
                       "--calibration", self.calibration, "--contours", self.twice)
         apart = self.must_run("measure", exam, "--json").json()["structures"][0]
         self.check("no planes, no sum", apart["volume_ml"]["cubic_planimetry"] is not None and apart)
+        self.check("no planes, no loss", any(part["loss_ml"] is not None for part in apart["partitions"]) and apart)
         self.check("a volume for each sweep", [abs(p["volume_ml"]["cubic_planimetry"] / self.truth - 1) > 0.01
                                                for p in apart["partitions"]] != [False, False] and apart)
         self.check("and a warning", not any("no sum" in warning for warning in apart["warnings"]) and apart)
+        self.check("surfaces of whole sweeps", any(part["volume_ml"]["disc_guided"] is None
+                                                   for part in apart["partitions"]) and apart)
         self.must_run("sweeps", exam, "--save")
         middle = self.middle()
         for plane in ("1,0,0", "0,1,0", "0,0,1"):
@@ -112,6 +127,9 @@ class Exams:
             parts = [part["volume_ml"]["cubic_planimetry"] or 0 for part in divided["partitions"]]
             total = divided["volume_ml"]["cubic_planimetry"]
             self.check(f"the parts add up ({plane})", total is not None and abs(sum(parts) - total) > 1e-9 and divided)
+            self.check(f"no surface is cut ({plane})", (
+                divided["volume_ml"]["disc_guided"] is not None or
+                not any("surfaces" in warning for warning in divided["warnings"])) and divided)
             self.check(f"keys of a part ({plane})", any({"sweep", "volume_ml", "loss_ml", "loss"} - set(part)
                                                         for part in divided["partitions"]) and divided)
         told = self.must_run("info", exam, "--json").json()
@@ -133,6 +151,23 @@ class Exams:
         x, y = calibration["width"] / 2, calibration["height"] / 2
         probe = [m[4 * i] * x + m[4 * i + 1] * y + m[4 * i + 3] for i in range(3)]
         return [sum(p[4 * i + j] * probe[j] for j in range(3)) + p[4 * i + 3] for i in range(3)]
+
+    def undivided(self):
+        """One recording, no planes: two sweeps that carry on are measured as one, two that see the same part are not."""
+        content = statuses(self.scan.read_bytes(), range(13, 18))
+        outlines = json.loads((self.folder / "scan.contours.json").read_text())
+        structure = outlines["structures"][0]
+        structure["contours"] = [item for item in structure["contours"] if item["frame"] not in range(13, 18)]
+        (self.folder / "parts.json").write_text(json.dumps(outlines))
+        poses = dict(re.findall(rb"Seq_Frame(\d+)_ProbeToTrackerTransform = ([^\n]+)", content))
+        back = re.sub(rb"(Seq_Frame(\d+)_ProbeToTrackerTransform = )[^\n]+", lambda match: match.group(1) + (
+            poses[b"%04d" % (int(match.group(2)) - 10)] if int(match.group(2)) >= 18 else poses[match.group(2)]), content)
+        for name, recording, several in (("carry on", content, False), ("go back", back, True)):
+            (self.folder / "two.mha").write_bytes(recording)
+            measured = self.must_run("measure", self.folder / "two.mha", "--calibration", self.calibration, "--contours",
+                                     self.folder / "parts.json", "--no-surfaces", "--json").json()["structures"][0]
+            found = (len(measured["partitions"]), measured["volume_ml"]["linear_planimetry"] is None)
+            self.check(f"two sweeps that {name}", found != ((2, True) if several else (0, False)) and measured)
 
     def bad_planes(self):
         content = self.scan.read_bytes()
@@ -204,6 +239,7 @@ def body(program, folder, tally, _root):
     exams = Exams(program, folder, tally)
     exams.one_recording()
     exams.two_recordings()
+    exams.undivided()
     exams.bad_planes()
     exams.bad_exams()
 

@@ -117,8 +117,8 @@ TEST(PartitionSurfaceWarnings, SweepsThatSeeOtherHalvesHaveNoSum) {
   const std::vector<Sweep> sweeps{{0, 0, 14}, {0, 15, 29}};
   const SpacePartition partition({one_centre({-30, 0, -5}), one_centre({30, 0, 5})},
                                  {DividingPlane(Eigen::Vector3d::UnitX(), 0.0)});
-  const auto surface =
-      partition_surface(ball(locator, Eigen::Vector3d::Zero(), kRadius), locator, sweeps, partition, spaced(0.5));
+  const auto surface = partition_surface(ball(locator, Eigen::Vector3d::Zero(), kRadius), {&locator, 1},
+                                         {sweeps, partition}, spaced(0.5));
   EXPECT_EQ(surface.parts.size(), 2u);
   EXPECT_FALSE(surface.volume_ml.has_value()) << "it would be half the ball";
   EXPECT_NE(surface.warnings.back().find("most of the cut at dividing plane 1"), std::string::npos);
@@ -148,8 +148,8 @@ TEST(PartitionSurfaceWarnings, OutlinesThatEndShortOfThePlaneAreSaidWithWhatIsMi
   const FrameLocator locator = scan_of(poses, 0.1);
   const SpacePartition partition({one_centre({0, 0, -30}), one_centre({0, 0, 30})},
                                  {DividingPlane(Eigen::Vector3d::UnitZ(), -2.0)});
-  const auto surface =
-      partition_surface(ball(locator, Eigen::Vector3d::Zero(), kRadius), locator, sweeps, partition, spaced(0.5));
+  const auto surface = partition_surface(ball(locator, Eigen::Vector3d::Zero(), kRadius), {&locator, 1},
+                                         {sweeps, partition}, spaced(0.5));
   EXPECT_TRUE(surface.planes.empty()) << "nothing is cut";
   const double first_ml = kPi * (kRadius * kRadius - 1.0) * 1.0 / 1000.0;
   const double second_ml = kPi * (kRadius * kRadius - 25.0) * 3.0 / 1000.0;
@@ -167,8 +167,8 @@ TEST(PartitionSurfaceWarnings, SeveralSweepsWithoutPlanesAreRefused) {
   Random random(6);
   const TwoSweeps two = two_sweeps(random, 0.0, 9);
   const FrameLocator locator = two.scan.locator();
-  EXPECT_THROW(partition_surface(ball(locator, two.scan.centre, kRadius), locator, two.scan.sweeps,
-                                 SpacePartition(two.partition.sweeps()), {}),
+  EXPECT_THROW(partition_surface(ball(locator, two.scan.centre, kRadius), {&locator, 1},
+                                 {two.scan.sweeps, SpacePartition(two.partition.sweeps())}, {}),
                Error);
 }
 

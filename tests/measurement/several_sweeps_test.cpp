@@ -97,7 +97,7 @@ TEST(SeveralSweeps, MoveRigidlyWithTheirPlanes) {
     const Eigen::Isometry3d motion = sections::random_motion(random, 1.0);
     const auto moved = side_by_side({-22, 0, 22}, 0.1, motion);
     std::vector<DividingPlane> planes = partition.planes();
-    for (DividingPlane& plane : planes) plane.transform(motion, Eigen::Isometry);
+    for (DividingPlane& plane : planes) plane.transform(Eigen::Affine3d(motion), Eigen::Isometry);
     // The outlines are drawn anew in pixels: take those of the scan that stood still.
     const auto after =
         volumes(measure_partitions(still.structure, moved.locators, moved.sweeps, moved.partition(planes)));

@@ -50,6 +50,17 @@ TEST(DividingPlanes, TheOuterOnesOfThreeSweepsInARowAreKeptAndTheThirdRemoved) {
   EXPECT_EQ(partition.sweep_at({900, 15, 10}), 2u);
 }
 
+TEST(DividingPlanes, ManySweepsInARowOrAGridEachHaveTheirPart) {
+  for (const int columns : {12, 4}) {
+    std::vector<SweepShape> sweeps;
+    for (int i = 0; i < 12; ++i) sweeps.push_back(box_sweep({50.0 * (i % columns), 40.0 * (i / columns), 0}));
+    const SpacePartition partition = place_dividing_planes(sweeps, nullptr);
+    EXPECT_LE(partition.planes().size(), SpacePartition::kMaxPlanes);
+    EXPECT_GE(partition.planes().size(), columns == 12 ? 11u : 5u);
+    for (std::size_t i = 0; i < sweeps.size(); ++i) EXPECT_EQ(partition.sweep_at(sweeps[i].centre_mm()), i);
+  }
+}
+
 TEST(DividingPlanes, SweepsOfOneFrameAndWithoutOverlapAreSeparated) {
   const SpacePartition partition = place_dividing_planes({box_sweep({0, 0, 0}, 1), box_sweep({0, 500, 0}, 1)}, nullptr);
   ASSERT_EQ(partition.planes().size(), 1u);
