@@ -1,13 +1,11 @@
 #include "exam/results.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <limits>
 #include <utility>
 
 #include "core/error.h"
-#include "measurement/contour_surface.h"
 #include "measurement/partition_volume.h"
 
 namespace fathom {
@@ -20,40 +18,6 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
 
 void add_once(std::vector<std::string>& warnings, const std::string& warning) {
   if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
-}
-
-// The volumes of the surfaces; what prevents one goes to the warnings.
-SurfaceVolumes measure_surfaces(const Structure& structure, const FrameLocator& locator, const Progress& progress,
-                                std::vector<std::string>& warnings) {
-  struct Method {
-    Guide guide;
-    GapOrder order;
-    std::optional<double>* volume_ml;
-  };
-  SurfaceVolumes volumes;
-  const std::array<Method, 4> methods{{{Guide::kDiscs, GapOrder::kLinear, &volumes.disc_guided_ml},
-                                       {Guide::kDiscs, GapOrder::kCurved, &volumes.disc_guided_curved_ml},
-                                       {Guide::kCentroids, GapOrder::kLinear, &volumes.centroid_guided_ml},
-                                       {Guide::kShape, GapOrder::kLinear, &volumes.shape_based_ml}}};
-  double done = 0.0;
-  for (const Method& method : methods) {
-    const double step = 1.0 / static_cast<double>(methods.size());
-    ContourSurfaceOptions options;
-    options.guide = method.guide;
-    options.order = method.order;
-    try {
-      ContourSurface surface(locator, options);
-      surface.update(structure, part_of(progress, done, done + step));
-      *method.volume_ml = surface.volume_ml();
-      for (const std::string& warning : surface.warnings()) add_once(warnings, warning);
-    } catch (const Cancelled&) {
-      throw;
-    } catch (const Error& error) {
-      add_once(warnings, std::string("no surface: ") + error.what());
-    }
-    done += step;
-  }
-  return volumes;
 }
 
 nlohmann::ordered_json volumes_json(const PlanimetryVolumes& volumes, const SurfaceVolumes& surfaces) {
@@ -91,8 +55,8 @@ void measure_sweep_surfaces(const Structure& structure, const Scan& scan, const 
     const Sweep& sweep = division.sweeps[part.sweep];
     std::vector<std::string> warnings;
     if (part.measurement.volumes.linear_ml) {
-      part.surfaces = measure_surfaces(part_in_sweep(structure, sweep), scan.locators[sweep.recording],
-                                       part_of(progress, done, done + step), warnings);
+      part.surfaces = surface_volumes(part_in_sweep(structure, sweep), scan.locators[sweep.recording],
+                                      part_of(progress, done, done + step), warnings);
     }
     for (const std::string& warning : warnings) {
       add_once(part.measurement.warnings, warning);
@@ -101,6 +65,19 @@ void measure_sweep_surfaces(const Structure& structure, const Scan& scan, const 
     done += step;
   }
   if (result.partitions.size() == 1) result.surfaces = result.partitions.front().surfaces;
+}
+
+// The surfaces of all parts of space. Warnings that tell of outlines are there from planimetry already.
+void measure_part_surfaces(const Structure& structure, const Scan& scan, const Division& division,
+                           const Progress& progress, StructureResult& result) {
+  std::vector<std::string> warnings;
+  const DividedSurfaceVolumes volumes = surface_volumes(structure, scan.locators, division, progress, warnings);
+  result.surfaces = volumes.total;
+  for (PartResult& part : result.partitions) {
+    const auto found = volumes.by_region.find(part.region);
+    if (found != volumes.by_region.end()) part.surfaces = found->second;
+  }
+  for (const std::string& warning : warnings) add_once(result.measurement.warnings, "surface: " + warning);
 }
 
 }  // namespace
@@ -126,7 +103,7 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
       const double step = 1.0 / static_cast<double>(structures.size());
       const double done = step * static_cast<double>(results.size());
       result.surfaces =
-          measure_surfaces(structure, locator, part_of(progress, done, done + step), result.measurement.warnings);
+          surface_volumes(structure, locator, part_of(progress, done, done + step), result.measurement.warnings);
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     results.push_back(std::move(result));
@@ -168,10 +145,9 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
                                    std::move(part.loss)});
     }
     if (result.partitions.empty()) warnings.push_back("no outline lies in a sweep: no volume; outline the structure");
-    if (options.surfaces && !divided) {
-      measure_sweep_surfaces(structure, scan, division, part_of(progress, done, done + step), result);
-    } else if (options.surfaces && !result.partitions.empty()) {
-      warnings.push_back("no volumes by surfaces: they are not cut by dividing planes");
+    if (options.surfaces && !result.partitions.empty()) {
+      const auto measure_part = divided ? measure_part_surfaces : measure_sweep_surfaces;
+      measure_part(structure, scan, division, part_of(progress, done, done + step), result);
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     results.push_back(std::move(result));

@@ -8,20 +8,13 @@
 
 #include "core/progress.h"
 #include "exam/scan.h"
+#include "exam/surface_volumes.h"
 #include "measurement/planimetry.h"
 #include "registration/division.h"
 #include "registration/frame_locator.h"
 #include "segmentation/contours.h"
 
 namespace fathom {
-
-/// Volumes of the surfaces through a structure's contours, by what guides the interpolation; empty where there is none.
-struct SurfaceVolumes {
-  std::optional<double> shape_based_ml;
-  std::optional<double> centroid_guided_ml;
-  std::optional<double> disc_guided_ml;         ///< linear between each two outlines, as the two above
-  std::optional<double> disc_guided_curved_ml;  ///< of second order: reads the outlines beyond as well
-};
 
 /// What was measured of a structure in one part of space, or in one sweep where nothing divides space.
 struct PartResult {
@@ -55,8 +48,7 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
                                                 const Progress& progress = {});
 
 /// The same of several sweeps, perhaps of several recordings: every structure is measured in each part of space by the
-/// sweep that is used there, and these volumes are added. Surfaces are made of whole sweeps only: where planes divide
-/// space their volumes are empty, with the reason among the warnings.
+/// sweep that is used there, and these volumes are added. Surfaces are cut by the dividing planes.
 /// Throws Error as measure_partitions and measure_sweeps do; Cancelled.
 std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Scan& scan,
                                                 const Division& division, const MeasureOptions& options = {},
