@@ -11,6 +11,7 @@
 #include "acquisition/recording.h"
 #include "acquisition/volume_file.h"
 #include "cli/command.h"
+#include "cli/image_area.h"
 #include "cli/options.h"
 #include "cli/output.h"
 #include "cli/scan_input.h"
@@ -21,16 +22,14 @@ namespace fathom {
 namespace {
 
 struct ReconstructCommand {
-  std::string recording;
-  std::string calibration;
+  ScanInput input;
   std::string out;
-  std::vector<int> clip;
+  ImageArea area;
   double max_memory_mb = 4096.0;
   bool fill_holes = false;
   ReconstructOptions reconstruct;
   FillHolesOptions holes;
   VolumeWriteOptions write;
-  FrameNames names;
   bool json = false;
 };
 
@@ -41,13 +40,13 @@ void run(const ReconstructCommand& command) {
   }
   ReconstructOptions options = command.reconstruct;
   options.max_bytes = command.max_memory_mb * 1e6;
-  if (!command.clip.empty())
-    options.clip = cv::Rect(command.clip[0], command.clip[1], command.clip[2], command.clip[3]);
-  const ScanInput input{command.recording, command.calibration, {}, {}, command.names};
-  const std::string calibration_name = calibration_file(input, read_if_exam(command.recording));
-  const auto recording = open_only_recording(command.recording, "reconstruct");
-  const Calibration calibration = read_calibration(calibration_name, command.names.probe);
-  const FrameLocator locator(*recording, calibration, command.names);
+  options.clip = command.area.rectangle();
+  const ScanInput& input = command.input;
+  const std::string calibration_name = calibration_file(input, read_if_exam(input.recording));
+  const auto recording = open_only_recording(input.recording, "reconstruct");
+  const Calibration calibration = read_calibration(calibration_name, input.names.probe);
+  const FrameLocator locator(*recording, calibration, input.names);
+  options.fan = command.area.fan(calibration);
 
   const auto start = std::chrono::steady_clock::now();
   const Progress progress = progress_bar("reconstructing");
@@ -85,8 +84,8 @@ void add_reconstruct(CLI::App& app) {
       {"mean", Compounding::kMean}, {"latest", Compounding::kLatest}, {"max", Compounding::kMax}};
   auto options = std::make_shared<ReconstructCommand>();
   CLI::App* command = app.add_subcommand("reconstruct", "Make a voxel array of a sweep, for programs that need one");
-  add_recording(*command, options->recording);
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML (default: the exam's)");
+  add_recording(*command, options->input.recording);
+  add_calibration(*command, options->input);
   command->add_option("--spacing-mm", options->reconstruct.spacing_mm, "Side of a voxel")
       ->required()
       ->check(above(0.0));
@@ -103,14 +102,12 @@ void add_reconstruct(CLI::App& app) {
   command->add_option("--max-gap", options->holes.max_gap_voxels, "Longest gap that is filled, in voxels")
       ->check(CLI::Range(1, 15))
       ->capture_default_str();
-  command->add_option("--clip", options->clip, "The part of the images to use: x,y,width,height in pixels")
-      ->delimiter(',')
-      ->expected(4);
+  add_image_area(*command, options->area);
   command->add_option("--max-memory-mb", options->max_memory_mb, "Memory allowed")
       ->check(above(0.0))
       ->capture_default_str();
   command->add_flag("--compress", options->write.compress, "Compress the file");
-  add_frame_names(*command, options->names);
+  add_frame_names(*command, options->input.names);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }

@@ -13,8 +13,10 @@
 
 #include "acquisition/recording.h"
 #include "cli/command.h"
+#include "cli/image_area.h"
 #include "cli/options.h"
 #include "cli/output.h"
+#include "cli/scan_input.h"
 #include "core/error.h"
 #include "exam/report_picture.h"
 #include "registration/dividing_planes.h"
@@ -27,8 +29,7 @@ namespace {
 constexpr int kMost = std::numeric_limits<int>::max();
 
 struct ResliceCommand {
-  std::string recording;
-  std::string calibration;
+  ScanInput input;
   std::string out;
   std::vector<double> origin;
   std::vector<double> x_axis;
@@ -41,11 +42,9 @@ struct ResliceCommand {
   std::optional<double> height_mm;
   bool panorama = false;
   std::optional<int> sweep;  // from 1
-  std::string planes;
-  std::vector<int> clip;
+  ImageArea area;
   ReslicerOptions reslicer;
   ResliceOptions reslice;
-  FrameNames names;
   bool json = false;
 };
 
@@ -75,29 +74,39 @@ struct UsedSweeps {
   std::optional<SpacePartition> partition;
 };
 
-UsedSweeps used_sweeps(const ResliceCommand& command, const Recording& recording, const FrameLocator& locator) {
+// The planes that are asked for: those typed, else the exam's.
+PlanesFile asked_planes(const ResliceCommand& command, const std::optional<Exam>& exam) {
+  PlanesFile planes;
+  if (exam) planes = {exam->sweeps, exam->dividing_planes};
+  if (command.input.planes.empty()) return planes;
+  PlanesFile typed = read_planes(command.input.planes);
+  if (!typed.sweeps.empty()) planes.sweeps = std::move(typed.sweeps);
+  planes.planes = std::move(typed.planes);
+  return planes;
+}
+
+UsedSweeps used_sweeps(const ResliceCommand& command, const std::optional<Exam>& exam, const Recording& recording,
+                       const FrameLocator& locator) {
+  PlanesFile planes = asked_planes(command, exam);
   UsedSweeps used;
-  if (command.planes.empty()) {
-    used.sweeps = find_sweeps(recording, locator);
-    if (!command.sweep) return used;
-    const auto count = used.sweeps.size();
-    if (static_cast<std::size_t>(*command.sweep) > count) {
-      throw Error(command.recording + ": has no sweep " + std::to_string(*command.sweep) + "; its sweeps are 1 to " +
-                  std::to_string(count));
+  used.sweeps = planes.sweeps.empty() ? find_sweeps(recording, locator) : std::move(planes.sweeps);
+  if (command.sweep) {
+    if (static_cast<std::size_t>(*command.sweep) > used.sweeps.size()) {
+      throw Error(command.input.recording + ": has no sweep " + std::to_string(*command.sweep) +
+                  "; its sweeps are 1 to " + std::to_string(used.sweeps.size()));
     }
     used.sweeps = {used.sweeps[static_cast<std::size_t>(*command.sweep - 1)]};
     return used;
   }
-  PlanesFile file = read_planes(command.planes);
-  used.sweeps = file.sweeps.empty() ? find_sweeps(recording, locator) : std::move(file.sweeps);
+  if (planes.planes.empty() && command.input.planes.empty()) return used;
   std::vector<SweepShape> shapes;
   for (const Sweep& sweep : used.sweeps) {
     if (sweep.recording != 0) {
-      throw Error(command.planes + ": has sweeps of several recordings; give the planes of this one");
+      throw Error(command.input.planes + ": has sweeps of several recordings; give the planes of this one");
     }
     shapes.push_back(sweep_shape(sweep, locator, recording.header().width, recording.header().height));
   }
-  used.partition.emplace(std::move(shapes), std::move(file.planes));
+  used.partition.emplace(std::move(shapes), std::move(planes.planes));
   return used;
 }
 
@@ -119,12 +128,13 @@ std::optional<ReslicePlane> asked_plane(const ResliceCommand& command, const Rec
   const int number = *command.through_frame;
   const RecordingHeader& header = recording.header();
   if (number >= header.frame_count()) {
-    throw Error(command.recording + ": has no frame " + std::to_string(number) + "; its frames are 0 to " +
+    throw Error(command.input.recording + ": has no frame " + std::to_string(number) + "; its frames are 0 to " +
                 std::to_string(header.frame_count() - 1));
   }
   const auto map = locator.reference_from_image(number);
   if (!map) {
-    throw Error(command.recording + ": frame " + std::to_string(number) + " has no valid pose; choose another frame");
+    throw Error(command.input.recording + ": frame " + std::to_string(number) +
+                " has no valid pose; choose another frame");
   }
   return plane_through({number, *map}, command.rotate_deg * std::numbers::pi / 180.0, frames,
                        {header.width, header.height}, spacing_mm, size ? &*size : nullptr);
@@ -162,17 +172,20 @@ void run(const ResliceCommand& command) {
   if (std::filesystem::path(command.out).extension() != ".png") {
     throw Error(command.out + ": pictures are written to .png; name the file so");
   }
-  const auto recording = open_recording(command.recording);
-  const Calibration calibration = read_calibration(command.calibration, command.names.probe);
-  const FrameLocator locator(*recording, calibration, command.names);
-  const UsedSweeps used = used_sweeps(command, *recording, locator);
+  const ScanInput& input = command.input;
+  const auto exam = read_if_exam(input.recording);
+  const std::string calibration_name = calibration_file(input, exam);
+  const auto recording = open_only_recording(input.recording, "reslice");
+  const Calibration calibration = read_calibration(calibration_name, input.names.probe);
+  const FrameLocator locator(*recording, calibration, input.names);
+  const UsedSweeps used = used_sweeps(command, exam, *recording, locator);
   ReslicerOptions options = command.reslicer;
-  if (!command.clip.empty()) {
-    options.clip = cv::Rect(command.clip[0], command.clip[1], command.clip[2], command.clip[3]);
-  }
+  options.clip = command.area.rectangle();
+  options.fan = command.area.fan(calibration);
   const Reslicer reslicer(*recording, locator, used.sweeps, options);
   if (recording->header().pixel_type != CV_8UC1 && recording->header().pixel_type != CV_16UC1) {
-    throw Error(command.recording + ": has pixels below 0, which a PNG cannot hold; convert it to unsigned pixels");
+    throw Error(command.input.recording +
+                ": has pixels below 0, which a PNG cannot hold; convert it to unsigned pixels");
   }
   std::vector<PlacedFrame> frames;
   for (const ResliceFrames::Frame& frame : reslicer.frames().frames) frames.push_back(frame.placed);
@@ -247,8 +260,8 @@ void add_reslice(CLI::App& app) {
                                                            {"max", ResliceMode::kMax}};
   auto options = std::make_shared<ResliceCommand>();
   CLI::App* command = app.add_subcommand("reslice", "Look at any plane or surface, straight from the B-scans");
-  command->add_option("RECORDING", options->recording, "A .mha, .mhd or .nrrd sequence")->required();
-  command->add_option("--calibration", options->calibration, "Fathom's JSON, or a PLUS XML")->required();
+  add_recording(*command, options->input.recording);
+  add_calibration(*command, options->input);
   command->add_option("--out", options->out, "The picture to write: .png; what is not covered is transparent")
       ->required();
   add_surface_options(*command, *options);
@@ -268,12 +281,12 @@ void add_reslice(CLI::App& app) {
   CLI::Option* const sweep =
       command->add_option("--sweep", options->sweep, "Only this sweep, as fathom sweeps numbers them")
           ->check(CLI::Range(1, kMost));
-  command->add_option("--planes", options->planes, "Dividing planes (fathom planes): each part shows its sweep")
+  command
+      ->add_option("--planes", options->input.planes,
+                   "Dividing planes (fathom planes): each part shows its sweep (default: the exam's)")
       ->excludes(sweep);
-  command->add_option("--clip", options->clip, "The part of the images to use: x,y,width,height in pixels")
-      ->delimiter(',')
-      ->expected(4);
-  add_frame_names(*command, options->names);
+  add_image_area(*command, options->area);
+  add_frame_names(*command, options->input.names);
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }

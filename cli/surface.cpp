@@ -164,9 +164,12 @@ void print_parts(const PartitionedSurface& surface) {
   }
 }
 
-// Whether the surface is made of parts: where planes divide space, or recordings can only be put together by planes.
-bool is_divided(const std::optional<Division>& division, const Scan& scan) {
-  return division && (scan.recordings.size() > 1 || !division->partition.planes().empty());
+// Whether the surface is made of parts: where planes divide space, or where they should, as there are several
+// recordings or the sweeps that were typed are several.
+bool is_divided(const SurfaceCommand& command, const std::optional<Division>& division, const Scan& scan) {
+  if (!division) return false;
+  const bool several = !command.input.planes.empty() && division->sweeps.size() > 1;
+  return several || scan.recordings.size() > 1 || !division->partition.planes().empty();
 }
 
 void run(const SurfaceCommand& command) {
@@ -177,7 +180,8 @@ void run(const SurfaceCommand& command) {
   const Scan scan = open_scan(command.input, exam);
   const std::vector<Structure> structures = chosen_structures(command, contours);
   const std::optional<Division> division = division_of(command.input, exam, scan, structures);
-  const bool divided = is_divided(division, scan);
+  const bool divided = is_divided(command, division, scan);
+  if (command.open && !divided) throw CLI::ValidationError("--open", "needs dividing planes: --planes, or an exam's");
   require_measurable(structures, frame_counts(scan), divided ? OpenContours::kAllow : OpenContours::kRefuse, contours);
   require_simple_outlines(structures, contours);
   const std::vector<std::filesystem::path> paths = files_for(command, structures);

@@ -127,9 +127,11 @@ class Exams:
             parts = [part["volume_ml"]["cubic_planimetry"] or 0 for part in divided["partitions"]]
             total = divided["volume_ml"]["cubic_planimetry"]
             self.check(f"the parts add up ({plane})", total is not None and abs(sum(parts) - total) > 1e-9 and divided)
-            self.check(f"no surface is cut ({plane})", (
-                divided["volume_ml"]["disc_guided"] is not None or
-                not any("surfaces" in warning for warning in divided["warnings"])) and divided)
+            for method in ("shape_based", "centroid_guided", "disc_guided", "disc_guided_curved"):
+                by_surface = [part["volume_ml"][method] for part in divided["partitions"]]
+                wrong = None in by_surface or abs(sum(by_surface) - divided["volume_ml"][method]) > 1e-9 or \
+                    abs(divided["volume_ml"][method] - total) > 0.01 * total
+                self.check(f"{method}: parts add up, near planimetry ({plane})", wrong and divided)
             self.check(f"keys of a part ({plane})", any({"sweep", "volume_ml", "loss_ml", "loss"} - set(part)
                                                         for part in divided["partitions"]) and divided)
         told = self.must_run("info", exam, "--json").json()
