@@ -24,7 +24,8 @@ function(fathom_build_fast target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# For the tests themselves: undefined behaviour is looked for in the product; in the tests it would double their build.
+# For the tests and the command line themselves: undefined behaviour is looked for in the libraries that do the work; in
+# these it would double the build.
 function(fathom_check_memory_only target)
   if(CMAKE_CXX_FLAGS MATCHES "undefined")
     target_compile_options(${target} PRIVATE -fno-sanitize=undefined)

@@ -11,7 +11,7 @@ namespace fathom {
 void Fan::check() const {
   const bool finite = origin_px.allFinite() && std::isfinite(max_radius_px) && std::isfinite(pixel_aspect);
   if (!finite || !(min_radius_px >= 0.0 && min_radius_px < max_radius_px)) {
-    throw Error("the fan's radii must be finite, not negative, and the second larger than the first");
+    throw Error("the fan's radii must be finite, not negative, and the second larger than the first; give them anew");
   }
   if (!(min_angle_rad > -std::numbers::pi && min_angle_rad < max_angle_rad && max_angle_rad < std::numbers::pi)) {
     throw Error("the fan's angles must lie between -180 and 180 degrees, the second larger than the first");

@@ -2,6 +2,7 @@
 """Pictures of planes and surfaces through a recording: what they show, where they are empty, and what is refused."""
 
 import json
+import math
 import re
 import struct
 import zlib
@@ -78,6 +79,18 @@ def frames_come_back(scan, tally):
         tally.check("the size of the picture", (said["width"], said["height"]) != (width, height) and said)
         tally.check("all is covered", said["covered"] != 1 and said)
         tally.check(f"frame {number} comes back", grey(rows) != scan.frame(number) and "differs")
+
+
+def fans_are_cut_out(scan, tally):
+    x0, y0, least, largest, half_deg = scan.width / 2 + 0.25, -40.25, 60.0, 150.0, 25.0
+    said, (width, _, rows) = scan.made("--through-frame", 5, "--fan", f"{x0},{y0},{least},{largest},{-half_deg},{half_deg}")
+
+    def in_fan(x, y):
+        angle = math.degrees(math.atan2(x - x0, y - y0))
+        return least <= math.hypot(x - x0, y - y0) <= largest and abs(angle) <= half_deg
+
+    wrong = [(x, y) for y, row in enumerate(grey(rows, 3)) for x, alpha in enumerate(row) if (alpha == 255) != in_fan(x, y)]
+    tally.check("only the fan is shown", (width != scan.width or not 0 < said["covered"] < 1 or wrong) and f"{said} {wrong[:5]}")
 
 
 def sphere_from_all_sides(scan, tally):
@@ -162,6 +175,7 @@ def empty_and_refused(program, scan, tally):
             ("too many layers", [*through, "--thickness-mm", 1e7]),
             ("a side too long for a PNG", [*plane[:-2], "--y-axis", "0,1,0", "--size-mm", "3e6,1", "--spacing-mm", 1]),
             ("a clip outside of the image", [*through, "--clip", "9000,0,5,5"]),
+            ("a fan whose radii are in the wrong order", [*through, "--fan", "9,9,50,40,-30,30"]),
             ("planes that are not there", [*through, "--planes", "none.json"]),
             ("not a picture", [*through, "--out", "w.mha"])):
         given = ["reslice", scan.path, "--calibration", scan.calibration, *([] if "--out" in options else ["--out", "w.png"])]
@@ -180,6 +194,7 @@ def empty_and_refused(program, scan, tally):
 def body(program, folder, tally, _root):
     scan = Scan(program, folder)
     frames_come_back(scan, tally)
+    fans_are_cut_out(scan, tally)
     sphere_from_all_sides(scan, tally)
     other_surfaces(scan, tally)
     sweeps_and_planes(program, scan, tally)
