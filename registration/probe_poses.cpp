@@ -1,4 +1,4 @@
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 
 #include <algorithm>
 #include <cassert>
