@@ -95,6 +95,18 @@ bool better_beyond_chance(const std::vector<std::pair<int, double>>& simple,
 
 }  // namespace
 
+std::string name_of(CalibrationTarget target) {
+  switch (target) {
+    case CalibrationTarget::kWires:
+      return "the wires";
+    case CalibrationTarget::kWall:
+      return "the floor";
+    case CalibrationTarget::kPoint:
+      return "the point";
+  }
+  return {};
+}
+
 void SpatialOptions::check() const {
   if (!(max_latency_s >= 0.0 && max_latency_s <= 10.0)) throw Error("the largest latency must be 0 to 10 s");
   if (min_frames < 8) throw Error("a calibration needs at least 8 frames");
@@ -161,8 +173,11 @@ SpatialFit calibrate_spatial(const ProbePoses& poses, const std::vector<SpatialO
   }
   if (!plain && !shifted) {
     throw Error(poses.recording() + ": no calibration fits what was seen (fewer than " +
-                std::to_string(options.min_frames) +
-                " frames agree); check that the phantom's file is that of the phantom scanned, and record again");
+                std::to_string(options.min_frames) + " frames agree); " +
+                (options.target == CalibrationTarget::kWires
+                     ? "check that the phantom's file is that of the phantom scanned, and record again"
+                     : "check that nothing else is as bright in the images as " + name_of(options.target) +
+                           ", and record again"));
   }
   SpatialFit best = plain ? *plain : *shifted;
   if (plain && shifted) {

@@ -75,7 +75,7 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
   constexpr double kSingular = 1e-11;
   if (eigen.eigenvalues()[0] < kSingular || !eigen.eigenvectors().allFinite()) {
     throw Error(poses.recording() + ": the motion does not determine the calibration: " +
-                movement_to_add(poses, frames_of(observations, fit.used), fit.state));
+                movement_to_add(poses, frames_of(observations, fit.used), fit.state, options.target));
   }
   const Eigen::MatrixXd inverse =
       size.cwiseInverse().asDiagonal() *
@@ -115,7 +115,7 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
   if (fit.worst_point_sd_mm > options.max_point_sd_mm) {
     throw Error(poses.recording() + ": the motion determines the calibration only to " +
                 std::to_string(static_cast<int>(std::ceil(fit.worst_point_sd_mm))) +
-                " mm: " + movement_to_add(poses, frames_of(observations, fit.used), fit.state));
+                " mm: " + movement_to_add(poses, frames_of(observations, fit.used), fit.state, options.target));
   }
 }
 

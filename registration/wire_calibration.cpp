@@ -4,18 +4,16 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "core/error.h"
 #include "core/numbers.h"
 #include "registration/calibration_start.h"
+#include "registration/usable_sweep.h"
 
 namespace fathom {
 
 namespace {
-
-constexpr double kMostUsualMm = 1.0;  // rms distance beyond which points belong to another phantom; good sweeps: 0.5
 
 // Points of one pattern in one frame, by wire.
 using Triple = std::array<const WirePoint*, 3>;
@@ -86,45 +84,23 @@ SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WireP
   options.check();
   SpatialOptions spatial = options.spatial;
   const auto observations = observations_of(points, phantom, options);
-  std::map<int, int> located;
-  for (const auto& observation : observations) {
-    if (poses.at(observation.frame, 0.0) && poses.poses()[static_cast<std::size_t>(observation.frame)]) {
-      ++located[observation.frame];
-    }
-  }
-  if (static_cast<int>(located.size()) < spatial.min_frames) {
-    throw Error(poses.recording() + ": wires were found and the probe tracked in " + std::to_string(located.size()) +
-                " frames only, " + std::to_string(spatial.min_frames) +
-                " are needed; record a longer sweep with the wires and the tracker in view");
-  }
+  require_usable_sweep(poses, observations, spatial);
   std::vector<SpatialState> starts;
   if (phantom.reference_from_phantom) {
-    std::vector<double> latencies = {0.0};
-    constexpr double kStep_s = 0.05;  // a hand at 30 mm/s moves 1.5 mm: near enough to find the way from
-    if (spatial.try_latency && poses.has_times()) {
-      for (double latency = kStep_s; latency <= spatial.max_latency_s; latency += kStep_s) {
-        latencies.push_back(latency);
-        latencies.push_back(-latency);
-      }
-    }
-    const auto all =
-        starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom, latencies, spatial.seed);
+    const auto all = starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom,
+                                               latencies_to_try(poses, spatial), spatial.seed);
     constexpr std::size_t kBest = 2;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (i < kBest || all[i].latency_s == 0.0) starts.push_back(all[i]);
     }
   } else {
     for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
-    constexpr std::size_t kStarts = 8;
-    starts = starts_with_unknown_phantom(poses, observations, kStarts);
+    StartSearch search;
+    search.phantom_from_reference = all_turns();
+    starts = starts_with_unknown_phantom(poses, observations, search);
   }
   SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
-  if (fit.rms_mm > kMostUsualMm || 2 * fit.frames_used < fit.frames_seen) {
-    throw Error(poses.recording() + ": the wires seen do not fit the phantom (" + std::to_string(fit.frames_used) +
-                " of " + std::to_string(fit.frames_seen) + " frames agree, to " +
-                format_real(std::round(100.0 * fit.rms_mm) / 100.0) +
-                " mm); check that the phantom's file is that of the phantom scanned, in millimetres");
-  }
+  require_agreement(poses, fit, spatial);
   return fit;
 }
 
@@ -155,25 +131,10 @@ WireErrors wire_errors(const ProbePoses& poses, const std::vector<WirePoint>& po
   if (middles.empty()) {
     throw Error(poses.recording() + ": no frame has both a pose and all three wires of a pattern; record again");
   }
-  const auto mean = [](auto first, auto last) {
-    return std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
-  };
-  const auto rms = [](const std::vector<double>& values) {
-    double sum = 0.0;
-    for (const double value : values) sum += value * value;
-    return std::sqrt(sum / static_cast<double>(values.size()));
-  };
-  std::sort(middles.begin(), middles.end());
-  constexpr double kPlusShare = 0.95;
-  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(kPlusShare * static_cast<double>(middles.size())));
   WireErrors errors;
-  errors.frames = static_cast<int>(frames.size());
-  errors.mean_mm = mean(middles.begin(), middles.begin() + kept);
-  errors.mean_all_mm = mean(middles.begin(), middles.end());
-  errors.rms_mm = rms(middles);
-  errors.max_mm = middles.back();
-  errors.wire_mean_mm = mean(lines.begin(), lines.end());
-  errors.wire_rms_mm = rms(lines);
+  static_cast<TargetErrors&>(errors) = target_errors(std::move(middles), static_cast<int>(frames.size()));
+  errors.wire_mean_mm = mean_of(lines);
+  errors.wire_rms_mm = rms_of(lines);
   return errors;
 }
 
