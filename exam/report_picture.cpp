@@ -7,7 +7,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
 #include "exam/scene_view.h"
 
@@ -179,11 +178,15 @@ cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
   return canvas;
 }
 
-void write_png(const cv::Mat& picture, const std::filesystem::path& path) {
+void write_png(const cv::Mat& picture, AtomicFile& file) {
   std::vector<unsigned char> bytes;
   cv::imencode(".png", picture, bytes);
-  AtomicFile file(path);
   file.write(std::as_bytes(std::span(bytes)));
+}
+
+void write_png(const cv::Mat& picture, const std::filesystem::path& path) {
+  AtomicFile file(path);
+  write_png(picture, file);
   file.commit();
 }
 

@@ -7,7 +7,7 @@ namespace fathom {
 /// What scanners take for the speed of sound in tissue when they turn a delay into a depth.
 inline constexpr double kTissueSoundSpeed_m_s = 1540.0;
 
-/// Speed of sound in pure water at normal pressure, to 0.02 m/s. Throws Error outside of 0 to 95 degrees.
+/// Speed of sound in pure water at normal pressure, to 0.05 m/s. Throws Error outside of 0 to 95 degrees.
 /// Marczak 1997, JASA 102, 2776: a polynomial of fifth degree fitted to three sets of measurements.
 double water_sound_speed_m_s(double celsius);
 

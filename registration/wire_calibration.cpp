@@ -44,8 +44,61 @@ std::optional<Eigen::Vector3d> middle_point(const NPattern& pattern, const Tripl
 
 Eigen::Vector3d direction_of(const Wire& wire) { return (wire.back - wire.front).normalized(); }
 
-std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& points, const WirePhantom& phantom,
-                                                const WireCalibrationOptions& options) {
+// The phantom as a mirror shows it: no rotation makes one of the other.
+WirePhantom mirrored(WirePhantom phantom) {
+  for (NPattern& pattern : phantom.patterns) {
+    for (Wire& wire : pattern) {
+      wire.front.y() = -wire.front.y();
+      wire.back.y() = -wire.back.y();
+    }
+  }
+  return phantom;
+}
+
+SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                     const WireCalibrationOptions& options) {
+  SpatialOptions spatial = options.spatial;
+  const auto observations = wire_observations(points, phantom, options);
+  std::vector<SpatialState> starts;
+  if (phantom.reference_from_phantom) {
+    const auto all = starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom,
+                                               latencies_to_try(poses, spatial), spatial.seed);
+    constexpr std::size_t kBest = 2;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i < kBest || all[i].latency_s == 0.0) starts.push_back(all[i]);
+    }
+  } else {
+    for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
+    StartSearch search;
+    search.phantom_from_reference = all_turns();
+    starts = starts_with_unknown_phantom(poses, observations, search);
+  }
+  SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
+  require_agreement(poses, fit, spatial);
+  return fit;
+}
+
+bool fits(const ProbePoses& poses, const std::vector<WirePoint>& points, WirePhantom phantom,
+          WireCalibrationOptions options) {
+  phantom.reference_from_phantom.reset();
+  options.spatial.try_latency = options.spatial.try_skew = false;
+  try {
+    fit_wires(poses, points, phantom, options);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+void WireCalibrationOptions::check() const {
+  spatial.check();
+  if (!(along_weight >= 0.0 && along_weight <= 10.0)) throw Error("the weight along the middle wire must be 0 to 10");
+}
+
+std::vector<SpatialObservation> wire_observations(const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                                                  const WireCalibrationOptions& options) {
   const auto triples = triples_of(points);
   std::vector<SpatialObservation> observations;
   for (const WirePoint& point : points) {
@@ -72,36 +125,25 @@ std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& po
   return observations;
 }
 
-}  // namespace
-
-void WireCalibrationOptions::check() const {
-  spatial.check();
-  if (!(along_weight >= 0.0 && along_weight <= 10.0)) throw Error("the weight along the middle wire must be 0 to 10");
-}
-
 SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WirePoint>& points,
                                 const WirePhantom& phantom, const WireCalibrationOptions& options) {
   options.check();
-  SpatialOptions spatial = options.spatial;
-  const auto observations = observations_of(points, phantom, options);
-  require_usable_sweep(poses, observations, spatial);
-  std::vector<SpatialState> starts;
-  if (phantom.reference_from_phantom) {
-    const auto all = starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom,
-                                               latencies_to_try(poses, spatial), spatial.seed);
-    constexpr std::size_t kBest = 2;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (i < kBest || all[i].latency_s == 0.0) starts.push_back(all[i]);
+  require_usable_sweep(poses, wire_observations(points, phantom, options), options.spatial);
+  try {
+    return fit_wires(poses, points, phantom, options);
+  } catch (const Error&) {
+    if (fits(poses, points, mirrored(phantom), options)) {
+      throw Error(poses.recording() +
+                  ": the wires seen fit the mirror image of the phantom; check that its front and back plates are not "
+                  "exchanged in the phantom's file and that the images are not mirrored");
     }
-  } else {
-    for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
-    StartSearch search;
-    search.phantom_from_reference = all_turns();
-    starts = starts_with_unknown_phantom(poses, observations, search);
+    if (phantom.reference_from_phantom && fits(poses, points, phantom, options)) {
+      throw Error(poses.recording() +
+                  ": the wires seen fit the phantom, but not in the place that its file states; register the phantom "
+                  "again, or have its place estimated with the calibration");
+    }
+    throw;
   }
-  SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
-  require_agreement(poses, fit, spatial);
-  return fit;
 }
 
 WireErrors wire_errors(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,

@@ -19,8 +19,13 @@ struct WireCalibrationOptions {
   void check() const;
 };
 
+/// What the solver gets: an observation a point, across its wire, and along the middle wires where asked for.
+std::vector<SpatialObservation> wire_observations(const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                                                  const WireCalibrationOptions& options);
+
 /// Calibrates from points of wires in frames. The phantom's pose is estimated where the phantom does not state it.
-/// Throws Error when there are too few frames, the motion is too poor, or the points are not those of this phantom.
+/// Throws Error when there are too few frames, the motion is too poor, or the points are not those of this phantom; it
+/// says so where they are those of the phantom in another place, or of its mirror image.
 SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WirePoint>& points,
                                 const WirePhantom& phantom, const WireCalibrationOptions& options = {});
 
