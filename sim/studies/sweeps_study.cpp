@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "registration/dividing_planes.h"
@@ -118,8 +119,8 @@ SweepsMeasurement measure_sweeps(const std::string& object, const std::string& p
   options.pattern = pattern;
   options.frames = frames;
   const DividedScan divided = divided_scan(options);
-  const PartitionedVolume volume =
-      measure_partitions(divided.scan.outlines.front(), divided.locator, divided.sweeps, divided.partition);
+  const PartitionedVolume volume = measure_partitions(divided.scan.outlines.front(), std::span(&divided.locator, 1),
+                                                      divided.sweeps, divided.partition);
   const double true_ml = divided.scan.truth.volume_ml;
   SweepsMeasurement result;
   result.frames = frames;
