@@ -87,7 +87,6 @@ inline TargetScan scan_target(const TargetScanning& how, bool wall, Random& rand
   probe_from_image.linear() = scan.truth.rotation.toRotationMatrix();
   probe_from_image.translation() = scan.truth.translation_mm;
   const auto px_from_mm = [&](double x, double y) { return Eigen::Vector2d((x - how.skew * y) / 0.08, y / 0.074); };
-  const auto normal3 = [&random] { return Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
   for (int frame = 0; frame < how.frames; ++frame) {
     const double t = 0.06 * frame;
     scan.times_s.push_back(100.0 + t);
@@ -96,11 +95,7 @@ inline TargetScan scan_target(const TargetScanning& how, bool wall, Random& rand
     };
     Eigen::Isometry3d pose =
         scan.truth.reference_from_phantom * image_at(t - how.latency_s) * probe_from_image.inverse();
-    if (how.tracker_mm > 0.0 || how.tracker_rad > 0.0) {
-      pose.translation() += how.tracker_mm * normal3();
-      const Eigen::Vector3d turn = how.tracker_rad * normal3();
-      if (turn.norm() > 0.0) pose.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-    }
+    pose = trembling(pose, how.tracker_mm, how.tracker_rad, random);
     scan.poses.emplace_back(pose);
     const Eigen::Isometry3d target_from_image = image_at(t);
     if (wall) {
@@ -128,18 +123,6 @@ inline TargetScan scan_target(const TargetScanning& how, bool wall, Random& rand
     }
   }
   return scan;
-}
-
-/// Where two calibrations put the corners of the image, farthest apart.
-inline double farthest_mm(const SpatialState& a, const SpatialState& b, double width_px, double height_px) {
-  double farthest = 0.0;
-  for (const double x : {0.0, width_px}) {
-    for (const double y : {0.0, height_px}) {
-      const Eigen::Vector3d pixel(x, y, 0.0);
-      farthest = std::max(farthest, (a.probe_from_image() * pixel - b.probe_from_image() * pixel).norm());
-    }
-  }
-  return farthest;
 }
 
 }  // namespace fathom
