@@ -48,7 +48,8 @@ Trial made(Phantom phantom, double noise_px, bool tracker, double wrong, double 
   const double rad = tracker ? kTrackerRad : 0.0;
   const SpatialOptions options = options_for(phantom, fit_latency);
   if (phantom == Phantom::kWires) {
-    WireScan scan = scan_wires(random, noise_px, latency_s, mm, rad);
+    constexpr double kLatePace = 3.0;  // a latency shows in motion: 50 mm/s, as over the other phantoms
+    WireScan scan = scan_wires(random, noise_px, latency_s, mm, rad, fit_latency ? kLatePace : 1.0);
     spoil(scan.poses);
     WireCalibrationOptions wires;
     wires.spatial = options;

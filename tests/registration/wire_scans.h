@@ -35,9 +35,9 @@ inline WirePhantom three_ns() {
 }
 
 /// A probe that sways over the phantom and turns about all axes; the tracker's stamps lag by `latency_s`, its poses
-/// have errors on each axis.
+/// have errors on each axis. At a `pace` of 1 it moves by 16 mm/s at most.
 inline WireScan scan_wires(Random& random, double noise_px, double latency_s, double tracker_mm = 0.0,
-                           double tracker_rad = 0.0) {
+                           double tracker_rad = 0.0, double pace = 1.0) {
   WireScan scan;
   scan.phantom = three_ns();
   scan.phantom.reference_from_phantom = random_pose(random);
@@ -53,7 +53,8 @@ inline WireScan scan_wires(Random& random, double noise_px, double latency_s, do
   Eigen::Isometry3d probe_from_image = Eigen::Isometry3d::Identity();
   probe_from_image.linear() = scan.truth.rotation.toRotationMatrix();
   probe_from_image.translation() = scan.truth.translation_mm;
-  const auto reference_from_probe = [&](double t) {
+  const auto reference_from_probe = [&](double time) {
+    const double t = pace * time;
     Eigen::Isometry3d phantom_from_image = Eigen::Isometry3d::Identity();
     phantom_from_image.linear() = upright * (Eigen::AngleAxisd(0.25 * std::sin(0.9 * t), Eigen::Vector3d::UnitX()) *
                                              Eigen::AngleAxisd(0.25 * std::sin(1.3 * t + 1), Eigen::Vector3d::UnitY()) *
