@@ -94,9 +94,9 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
     gradients.row(at_frame++) = g.transpose();
   }
   const Eigen::MatrixXd sum = gradients.transpose() * gradients;
-  // All parameters weigh the same: each column's size is 1.
-  const Eigen::VectorXd column = gradients.colwise().norm().cwiseMax(1e-300);
-  fit.covariance = correlated_neighbours(gradients * column.cwiseInverse().asDiagonal()) * inverse * sum * inverse;
+  // In units of what the frames tell of each parameter: a parameter that the noise hardly touches must not count.
+  const double together = correlated_neighbours(gradients * size.cwiseInverse().asDiagonal());
+  fit.covariance = together * inverse * sum * inverse;
   fit.covariance = (0.5 * (fit.covariance + fit.covariance.transpose())).eval();
   // The place of a pixel seen: how its error there depends on the calibration's own parameters.
   fit.worst_point_sd_mm = 0.0;
