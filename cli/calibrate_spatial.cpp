@@ -92,7 +92,7 @@ Calibrated calibrate(const SpatialCommand& command) {
   if (!command.validation.empty()) validation = validated(command, phantom, options, scan, fit);
   Calibration calibration = calibration_file(command, chain, scan, fit);
   const TargetErrors own = scan_errors(scan, phantom, fit.state);
-  const CalibrationVerdict verdict = verdict_on(fit, phantom.target, validation);
+  const CalibrationVerdict verdict = verdict_on(fit, scan, phantom.target, validation);
   return {std::move(phantom), std::move(scan), std::move(fit), std::move(calibration), own, validation, verdict};
 }
 

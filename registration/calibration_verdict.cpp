@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/numbers.h"
+#include "registration/spatial_calibration_motion.h"
 
 namespace fathom {
 
@@ -17,9 +18,17 @@ struct Criterion {
   std::string advice;
 };
 
+double turned_in(const CalibrationScan& scan, const SpatialState& state) {
+  std::vector<int> frames;
+  for (const WirePoint& point : scan.wires) {
+    if (frames.empty() || frames.back() != point.frame) frames.push_back(point.frame);
+  }
+  return probe_motion(scan.poses, frames, state).turned_deg.norm();
+}
+
 }  // namespace
 
-CalibrationVerdict verdict_on(const SpatialFit& fit, CalibrationTarget target,
+CalibrationVerdict verdict_on(const SpatialFit& fit, const CalibrationScan& scan, CalibrationTarget target,
                               const std::optional<ScanErrors>& validation) {
   // A point's place is known to a few tenths of a millimetre by the best trackers: a calibration should not be worse.
   // A point target is seen anywhere within the beam's thickness, so that more disagreement is usual.
@@ -38,6 +47,15 @@ CalibrationVerdict verdict_on(const SpatialFit& fit, CalibrationTarget target,
     criteria.push_back({validation->mean_mm, point ? 1.2 : 0.8, point ? 2.0 : 1.5,
                         "the second sweep is off by " + format_rounded(validation->mean_mm, 2) + " mm",
                         "check that neither the sensor on the probe nor the phantom has moved"});
+  }
+  if (target == CalibrationTarget::kWires && !fit.fitted[kPhantomTx]) {
+    // Of a probe that only slides, a phantom farther away looks like an image farther away.
+    constexpr double kTurnedDeg = 6.0;
+    const double turned_deg = turned_in(scan, fit.state);
+    criteria.push_back({kTurnedDeg - turned_deg, 0.0, kTurnedDeg,
+                        "the probe turned by +-" + format_rounded(turned_deg, 0) +
+                            " degrees only, so that a mistake in the phantom's registration would not show",
+                        "twist, tilt and rock it"});
   }
   CalibrationVerdict verdict;
   std::string reasons;

@@ -16,9 +16,10 @@ struct CalibrationVerdict {
 };
 
 /// Judges a calibration by how well the sweep determines it, how well its frames agree and how many had to be left
-/// out, and by a second sweep where there is one. Each of these is good, usable or bad by the table in the source,
-/// which the user's guide repeats; the worst counts.
-CalibrationVerdict verdict_on(const SpatialFit& fit, CalibrationTarget target,
+/// out, by a second sweep where there is one, and, where a registered phantom was used, by whether the probe turned so
+/// far that a wrong registration would show. Each is good, usable or bad by the table in the source, which the user's
+/// guide repeats; the worst counts.
+CalibrationVerdict verdict_on(const SpatialFit& fit, const CalibrationScan& scan, CalibrationTarget target,
                               const std::optional<ScanErrors>& validation);
 
 }  // namespace fathom

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -55,6 +56,28 @@ WirePhantom mirrored(WirePhantom phantom) {
   return phantom;
 }
 
+// A wrong phantom may differ in one wire of each N only, whose points would be left out as outliers.
+void require_every_wire(const ProbePoses& poses, const std::vector<WirePoint>& points, const SpatialFit& fit) {
+  struct Share {
+    int used = 0;
+    int all = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Share> wires;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto at = poses.at(points[i].frame, fit.state.latency_s);
+    if (!at || !at->inside) continue;
+    Share& share = wires[{points[i].pattern, points[i].wire}];
+    ++share.all;
+    share.used += fit.used[i] ? 1 : 0;
+  }
+  for (const auto& [wire, share] : wires) {
+    if (2 * share.used >= share.all) continue;
+    throw Error(poses.recording() + ": the wires seen do not fit the phantom (most points of wire " +
+                std::to_string(wire.second + 1) + " of N number " + std::to_string(wire.first + 1) +
+                " are not where they belong); check that the phantom's file is that of the phantom scanned");
+  }
+}
+
 SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
                      const WireCalibrationOptions& options) {
   SpatialOptions spatial = options.spatial;
@@ -75,6 +98,7 @@ SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& poin
   }
   SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
   require_agreement(poses, fit, spatial);
+  require_every_wire(poses, points, fit);
   return fit;
 }
 
@@ -82,6 +106,7 @@ bool fits(const ProbePoses& poses, const std::vector<WirePoint>& points, WirePha
           WireCalibrationOptions options) {
   phantom.reference_from_phantom.reset();
   options.spatial.try_latency = options.spatial.try_skew = false;
+  options.spatial.max_point_sd_mm = std::numeric_limits<double>::infinity();  // where it fits is not asked
   try {
     fit_wires(poses, points, phantom, options);
     return true;
@@ -131,18 +156,20 @@ SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WireP
   require_usable_sweep(poses, wire_observations(points, phantom, options), options.spatial);
   try {
     return fit_wires(poses, points, phantom, options);
-  } catch (const Error&) {
-    if (fits(poses, points, mirrored(phantom), options)) {
-      throw Error(poses.recording() +
-                  ": the wires seen fit the mirror image of the phantom; check that its front and back plates are not "
-                  "exchanged in the phantom's file and that the images are not mirrored");
-    }
-    if (phantom.reference_from_phantom && fits(poses, points, phantom, options)) {
-      throw Error(poses.recording() +
-                  ": the wires seen fit the phantom, but not in the place that its file states; register the phantom "
-                  "again, or have its place estimated with the calibration");
-    }
-    throw;
+  } catch (const Error& error) {
+    // A probe that hardly turns may see either.
+    const bool elsewhere = phantom.reference_from_phantom && fits(poses, points, phantom, options);
+    const bool mirror = fits(poses, points, mirrored(phantom), options);
+    if (!elsewhere && !mirror) throw;
+    const std::string place =
+        "the phantom, but not in the place that its file states (register it again, or have its place estimated)";
+    const std::string image =
+        "the mirror image of the phantom (check which ends of its middle wires are in front, and that its axes are "
+        "right-handed)";
+    throw Error(poses.recording() + ": the wires seen fit " +
+                (elsewhere && mirror ? place + ", or " + image
+                 : elsewhere         ? place
+                                     : image));
   }
 }
 

@@ -77,17 +77,13 @@ def spatial(program, folder, tally, data):
     tally.check("the prism by our calibration", abs(prism / DRAWN_PRISM_ML - 1) > 0.01 and f"{prism} ml")
 
     text = phantom.read_text()
-    mirrored, moved = folder / "mirrored.xml", folder / "moved.xml"
-    mirrored.write_text(re.sub(r"EndPoint(Front|Back)=",
-                               lambda end: f"EndPoint{'Back' if end.group(1) == 'Front' else 'Front'}=", text))
-    rows = re.search(r'<Transform From="Phantom" To="Reference"[^>]*Matrix="\s*([^"]*)"', text, re.DOTALL).group(1)
-    numbers = rows.split()
-    numbers[3] = str(float(numbers[3]) + 25)
-    moved.write_text(text.replace(rows, " ".join(numbers)))
-    for name, file, words in (("mirrored", mirrored, "mirror image"), ("moved", moved, "not in the place")):
-        outcome = program.run("calibrate", "spatial", sweep, "--phantom", file, "--out", folder / "none.json", cwd=folder)
-        tally.check(f"calibrate spatial refuses a phantom that is {name}",
-                    complaint_about_error(outcome) or (words not in outcome.err and outcome.err))
+    mirrored = folder / "mirrored.xml"
+    # The middle wires the other way round: N becomes the N of a mirror.
+    mirrored.write_text(re.sub(r'(Name="[852]:\w*" EndPointFront="[0-9.]+ )([0-9.]+)( [0-9.]+" EndPointBack="[0-9.]+ )([0-9.]+)',
+                               r"\g<1>\g<4>\g<3>\g<2>", text))
+    outcome = program.run("calibrate", "spatial", sweep, "--phantom", mirrored, "--out", folder / "none.json", cwd=folder)
+    tally.check("calibrate spatial refuses a mirrored phantom",
+                complaint_about_error(outcome) or ("mirror image" not in outcome.err and outcome.err))
 
 
 def body(program, folder, tally, root):

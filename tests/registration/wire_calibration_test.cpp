@@ -119,6 +119,24 @@ TEST(WireCalibration, FaultsAreNamed) {
   EXPECT_NE(complaint(wrong), "") << calibrate_with_wires(wrong.tracked(), wrong.points, wrong.phantom).rms_mm;
 }
 
+TEST(WireCalibration, AMovedOrMirroredPhantomIsTold) {
+  Random random(28);
+  const WireScan made = scan_wires(random, 0.5, 0.0);
+  const auto complaint = [&](const WirePhantom& phantom) {
+    WireCalibrationOptions options;
+    options.spatial.try_latency = options.spatial.try_skew = false;
+    return message_of<Error>([&] { calibrate_with_wires(made.tracked(), made.points, phantom, options); });
+  };
+  WirePhantom moved = made.phantom;
+  moved.reference_from_phantom->translate(Eigen::Vector3d(60, 0, 0));
+  EXPECT_NE(complaint(moved).find("but not in the place"), std::string::npos) << complaint(moved);
+  EXPECT_EQ(complaint(moved).find("mirror"), std::string::npos) << complaint(moved);
+  WirePhantom mirrored = made.phantom;
+  for (NPattern& pattern : mirrored.patterns) std::swap(pattern[1].front.y(), pattern[1].back.y());
+  EXPECT_NE(complaint(mirrored).find("the mirror image"), std::string::npos) << complaint(mirrored);
+  EXPECT_EQ(complaint(mirrored).find("not in the place"), std::string::npos) << complaint(mirrored);
+}
+
 TEST(WireCalibration, RealSweepIsCalibratedBetterThanByPlus) {
   const std::filesystem::path data = real_recordings();
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "the real recordings are not beside the project";
