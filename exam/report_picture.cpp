@@ -7,7 +7,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
 #include "exam/scene_view.h"
 
@@ -181,15 +180,20 @@ cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
   return canvas;
 }
 
-void write_png(const cv::Mat& picture, const std::filesystem::path& path) {
+void write_png(const cv::Mat& picture, AtomicFile& file) {
+  const std::string name = file.target().string();
   if (std::max(picture.cols, picture.rows) > kLongestPngSide) {
-    throw Error(path.string() + ": a PNG holds at most " + std::to_string(kLongestPngSide) +
+    throw Error(name + ": a PNG holds at most " + std::to_string(kLongestPngSide) +
                 " pixels along a side; make the picture smaller or its pixels larger");
   }
   std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", picture, bytes)) throw Error(path.string() + ": no PNG can be made of it; try again");
-  AtomicFile file(path);
+  if (!cv::imencode(".png", picture, bytes)) throw Error(name + ": no PNG can be made of it; try again");
   file.write(std::as_bytes(std::span(bytes)));
+}
+
+void write_png(const cv::Mat& picture, const std::filesystem::path& path) {
+  AtomicFile file(path);
+  write_png(picture, file);
   file.commit();
 }
 

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "acquisition/recording.h"
+#include "core/atomic_file.h"
 #include "registration/frame_locator.h"
 #include "segmentation/contours.h"
 
@@ -20,5 +21,7 @@ cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
 
 /// Writes a PNG, whole or not at all. Throws Error.
 void write_png(const cv::Mat& picture, const std::filesystem::path& path);
+/// The same into a file that is committed together with others.
+void write_png(const cv::Mat& picture, AtomicFile& file);
 
 }  // namespace fathom

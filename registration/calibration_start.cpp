@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/random.h"
+#include "registration/spatial_calibration_model.h"
 
 namespace fathom {
 
@@ -134,46 +135,107 @@ std::vector<SpatialState> starts_with_known_phantom(const ProbePoses& poses,
   return states;
 }
 
-std::vector<SpatialState> starts_with_unknown_phantom(const ProbePoses& poses,
-                                                      const std::vector<SpatialObservation>& observations,
-                                                      std::size_t count) {
-  std::vector<Seen> frames = seen_at(poses, observations, 0.0);
-  constexpr std::size_t kMostFrames = 24;  // spread over the sweep: enough for a start, and there are many rotations
-  if (frames.size() > kMostFrames) {
-    std::vector<Seen> some;
-    for (std::size_t i = 0; i < kMostFrames; ++i) some.push_back(frames[i * frames.size() / kMostFrames]);
-    frames = std::move(some);
-  }
-  if (frames.empty()) return {};
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const Seen& seen : frames) {
-    centre += seen.reference_from_probe.translation() / static_cast<double>(frames.size());
-  }
-  constexpr int kRotations = 600;  // about 25 degrees apart
+std::vector<Eigen::Matrix3d> all_turns() {
+  constexpr int kRotations = 600;
   Random random(1);
-  std::vector<std::pair<double, SpatialState>> found;
+  std::vector<Eigen::Matrix3d> turns;
   for (int i = 0; i < kRotations; ++i) {
     // Uniform over rotations (Shoemake).
     const double u = random.uniform();
     const double a = random.uniform(0.0, 2.0 * std::numbers::pi);
     const double b = random.uniform(0.0, 2.0 * std::numbers::pi);
-    const Eigen::Quaterniond turn(std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
-                                  std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b));
-    const Eigen::Matrix3d matrix = turn.toRotationMatrix();
-    LinearProblem problem;
-    for (const Seen& seen : frames) problem.add(seen, matrix, -(matrix * centre));
-    const Unknown solution = problem.solved(kMapAndShift);
-    auto state = state_from(solution);
-    if (!state) continue;
-    state->reference_from_phantom.linear() = matrix.transpose();
-    state->reference_from_phantom.translation() = centre - matrix.transpose() * solution.tail<3>();
-    found.emplace_back(disagreement(frames, *state), *state);
+    turns.push_back(Eigen::Quaterniond(std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
+                                       std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b))
+                        .toRotationMatrix());
+  }
+  return turns;
+}
+
+std::vector<Eigen::Matrix3d> plane_turns() {
+  constexpr int kDirections = 300;
+  std::vector<Eigen::Matrix3d> turns;
+  for (int i = 0; i < kDirections; ++i) {
+    // A spiral with equal areas between its turns (Fibonacci's).
+    const double z = (i + 0.5) / kDirections;
+    const double around = 2.0 * std::numbers::pi * i / std::numbers::phi;
+    const double aside = std::sqrt(1.0 - z * z);
+    const Eigen::Vector3d direction(aside * std::cos(around), aside * std::sin(around), z);
+    turns.push_back(Eigen::Quaterniond::FromTwoVectors(direction, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+  }
+  return turns;
+}
+
+std::vector<double> latencies_to_try(const ProbePoses& poses, const SpatialOptions& options) {
+  constexpr double kStep_s = 0.05;
+  std::vector<double> latencies = {0.0};
+  if (!options.try_latency || !poses.has_times()) return latencies;
+  for (int i = 1; i * kStep_s <= options.max_latency_s; ++i) {
+    latencies.push_back(i * kStep_s);
+    latencies.push_back(-i * kStep_s);
+  }
+  return latencies;
+}
+
+namespace {
+
+// Frames spread over the sweep are enough for a start, and there are many rotations.
+std::vector<Seen> thinned(std::vector<Seen> frames) {
+  constexpr std::size_t kMostFrames = 24;
+  if (frames.size() <= kMostFrames) return frames;
+  std::vector<Seen> some;
+  for (std::size_t i = 0; i < kMostFrames; ++i) some.push_back(std::move(frames[i * frames.size() / kMostFrames]));
+  return some;
+}
+
+std::optional<SpatialState> solved_start(const std::vector<const Seen*>& frames, const Eigen::Matrix3d& turn,
+                                         const Eigen::Vector3d& centre) {
+  LinearProblem problem;
+  for (const Seen* seen : frames) problem.add(*seen, turn, -(turn * centre));
+  const Unknown solution = problem.solved(kMapAndShift);
+  auto state = state_from(solution);
+  if (!state) return std::nullopt;
+  state->reference_from_phantom.linear() = turn.transpose();
+  state->reference_from_phantom.translation() = centre - turn.transpose() * solution.tail<3>();
+  return state;
+}
+
+}  // namespace
+
+std::vector<SpatialState> starts_with_unknown_phantom(const ProbePoses& poses,
+                                                      const std::vector<SpatialObservation>& observations,
+                                                      const StartSearch& search) {
+  Random random(search.seed);
+  std::vector<std::pair<double, SpatialState>> found;
+  for (const double latency_s : search.latencies_s) {
+    const std::vector<Seen> frames = thinned(seen_at(poses, observations, latency_s));
+    if (frames.empty()) continue;
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const Seen& seen : frames) {
+      centre += seen.reference_from_probe.translation() / static_cast<double>(frames.size());
+    }
+    for (const Eigen::Matrix3d& turn : search.phantom_from_reference) {
+      std::optional<std::pair<double, SpatialState>> best;
+      for (int trial = 0; trial <= search.trials; ++trial) {
+        std::vector<const Seen*> picks;
+        const std::size_t count = trial == 0 ? frames.size() : static_cast<std::size_t>(search.frames_a_trial);
+        for (std::size_t i = 0; i < count; ++i) {
+          picks.push_back(
+              &frames[trial == 0 ? i
+                                 : static_cast<std::size_t>(random.uniform() * static_cast<double>(frames.size()))]);
+        }
+        auto state = solved_start(picks, turn, centre);
+        if (!state) continue;
+        state->latency_s = latency_s;
+        const double measure = disagreement(frames, *state);
+        if (!best || measure < best->first) best = {measure, *state};
+      }
+      if (best) found.push_back(std::move(*best));
+    }
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (found.size() > search.count) found.erase(found.begin() + static_cast<std::ptrdiff_t>(search.count), found.end());
   std::vector<SpatialState> states;
-  for (const auto& [measure, state] : found) {
-    if (states.size() < count) states.push_back(state);
-  }
+  for (const auto& [measure, state] : found) states.push_back(state);
   return states;
 }
 

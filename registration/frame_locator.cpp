@@ -1,6 +1,6 @@
 #include "registration/frame_locator.h"
 
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 
 namespace fathom {
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 
 namespace fathom {
 

@@ -8,7 +8,6 @@
 
 #include "core/error.h"
 #include "core/numbers.h"
-#include "core/statistics.h"
 #include "registration/spatial_calibration_covariance.h"
 #include "registration/spatial_calibration_errors.h"
 #include "registration/spatial_calibration_solve.h"
@@ -49,16 +48,20 @@ SpatialFit robust_fit(const ProbePoses& poses, const std::vector<SpatialObservat
   return fit;
 }
 
-// The median of frames' rms over the pixel's size: in pixels, or shrinking the image to a point would win.
+// The rms of the smaller distances over the pixel's size: in pixels, or shrinking the image to a point would win.
 double badness(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
                const SpatialState& state) {
+  constexpr double kShare = 0.7;  // a fifth of the frames may be wrong
   const SpatialErrors errors = spatial_errors(poses, observations, state);
-  std::vector<double> distances;
+  std::vector<double> squares;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (errors.inside[i]) distances.push_back(errors.error_mm[i].norm());
+    if (errors.inside[i]) squares.push_back(errors.error_mm[i].squaredNorm());
   }
-  if (distances.empty()) return std::numeric_limits<double>::infinity();
-  return median(std::move(distances)) / std::exp(0.5 * (state.log_sx + state.log_sy));
+  if (squares.empty()) return std::numeric_limits<double>::infinity();
+  const auto end = squares.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(squares.size() - 1)) + 1;
+  std::nth_element(squares.begin(), end - 1, squares.end());
+  const double mean = std::accumulate(squares.begin(), end, 0.0) / static_cast<double>(end - squares.begin());
+  return std::sqrt(mean) / std::exp(0.5 * (state.log_sx + state.log_sy));
 }
 
 bool plausible(const SpatialState& state) {
@@ -93,7 +96,48 @@ bool better_beyond_chance(const std::vector<std::pair<int, double>>& simple,
   return mean > kBetterBeyondChance * standard_error && mean > kBetterAtAll * total / n;
 }
 
+void keep_better(std::optional<SpatialFit>& best, const ProbePoses& poses,
+                 const std::vector<SpatialObservation>& observations, const SpatialState& start,
+                 const SpatialMask& fitted, const SpatialOptions& options) {
+  SpatialFit fit = robust_fit(poses, observations, start, fitted, options);
+  if (!plausible(fit.state) || fit.frames_used < options.min_frames) return;
+  if (!best || badness(poses, observations, fit.state) < badness(poses, observations, best->state)) {
+    best = std::move(fit);
+  }
+}
+
+// Both are judged on the frames that the richer fit uses and the simple one knows the pose of.
+bool predicts_better(const ProbePoses& poses, const std::vector<SpatialObservation>& observations, SpatialFit simple,
+                     SpatialFit richer) {
+  const SpatialErrors errors = spatial_errors(poses, observations, simple.state);
+  for (std::size_t i = 0; i < richer.used.size(); ++i) richer.used[i] = richer.used[i] && errors.inside[i];
+  simple.used = richer.used;
+  return better_beyond_chance(cross_validated(poses, observations, simple),
+                              cross_validated(poses, observations, richer));
+}
+
+std::string nothing_fits(const ProbePoses& poses, const SpatialOptions& options) {
+  return poses.recording() + ": no calibration fits what was seen (fewer than " + std::to_string(options.min_frames) +
+         " frames agree); " +
+         (options.target == CalibrationTarget::kWires
+              ? "check that the phantom's file is that of the phantom scanned, and record again"
+              : "check that nothing else is as bright in the images as " + name_of(options.target) +
+                    ", and record again");
+}
+
 }  // namespace
+
+std::string name_of(CalibrationTarget target) {
+  switch (target) {
+    case CalibrationTarget::kWires:
+      return "the wires";
+    case CalibrationTarget::kWall:
+      return "the floor";
+    case CalibrationTarget::kPoint:
+      return "the point";
+  }
+  return {};
+}
 
 void SpatialOptions::check() const {
   if (!(max_latency_s >= 0.0 && max_latency_s <= 10.0)) throw Error("the largest latency must be 0 to 10 s");
@@ -141,58 +185,33 @@ SpatialFit calibrate_spatial(const ProbePoses& poses, const std::vector<SpatialO
                              const std::vector<SpatialState>& starts, const SpatialOptions& options) {
   options.check();
   const bool latency = options.try_latency && poses.has_times();
-  SpatialMask mask = base_mask(options);
+  const SpatialMask mask = base_mask(options);
   SpatialMask mask_with_latency = mask;
   mask_with_latency[kLatency] = true;
+  // With and without a latency are compared on poses with the same noise.
+  const ProbePoses even = latency ? poses.evenly_smoothed() : poses;
 
   // Starts carry the latency that they were found with; the best of all without and with a free latency.
   std::optional<SpatialFit> plain;
   std::optional<SpatialFit> shifted;
-  const auto try_fit = [&](std::optional<SpatialFit>& best, const SpatialState& start, const SpatialMask& fitted) {
-    SpatialFit fit = robust_fit(poses, observations, start, fitted, options);
-    if (!plausible(fit.state) || fit.frames_used < options.min_frames) return;
-    if (!best || badness(poses, observations, fit.state) < badness(poses, observations, best->state)) {
-      best = std::move(fit);
-    }
-  };
   for (const SpatialState& start : starts) {
-    if (start.latency_s == 0.0) try_fit(plain, start, mask);
-    if (latency) try_fit(shifted, start, mask_with_latency);
+    if (start.latency_s == 0.0) keep_better(plain, even, observations, start, mask, options);
+    if (latency) keep_better(shifted, even, observations, start, mask_with_latency, options);
   }
-  if (!plain && !shifted) {
-    throw Error(poses.recording() + ": no calibration fits what was seen (fewer than " +
-                std::to_string(options.min_frames) +
-                " frames agree); check that the phantom's file is that of the phantom scanned, and record again");
-  }
-  SpatialFit best = plain ? *plain : *shifted;
-  if (plain && shifted) {
-    SpatialFit compared = *plain;
-    compared.used = shifted->used;  // both are judged on the same frames
-    for (std::size_t i = 0; i < compared.used.size(); ++i) {
-      const auto at = poses.at(observations[i].frame, 0.0);
-      compared.used[i] = compared.used[i] && at && at->inside;
-    }
-    SpatialFit other = *shifted;
-    other.used = compared.used;
-    if (better_beyond_chance(cross_validated(poses, observations, compared),
-                             cross_validated(poses, observations, other))) {
-      best = *shifted;
-    }
-  }
+  if (!plain && !shifted) throw Error(nothing_fits(poses, options));
+  const bool late = !plain || (shifted && predicts_better(even, observations, *plain, *shifted));
+  const ProbePoses& chosen = late ? even : poses;
+  SpatialFit best = late ? *shifted : robust_fit(poses, observations, plain->state, mask, options);
   if (options.try_skew) {
     SpatialMask skewed = best.fitted;
     skewed[kSkew] = true;
-    SpatialFit fit = robust_fit(poses, observations, best.state, skewed, options);
-    if (plausible(fit.state) && fit.frames_used >= options.min_frames) {
-      SpatialFit compared = best;
-      compared.used = fit.used;
-      if (better_beyond_chance(cross_validated(poses, observations, compared),
-                               cross_validated(poses, observations, fit))) {
-        best = fit;
-      }
+    const SpatialFit fit = robust_fit(chosen, observations, best.state, skewed, options);
+    if (plausible(fit.state) && fit.frames_used >= options.min_frames &&
+        predicts_better(chosen, observations, best, fit)) {
+      best = fit;
     }
   }
-  set_covariance(poses, observations, best, options);
+  set_covariance(chosen, observations, best, options);
   return best;
 }
 

@@ -11,8 +11,15 @@
 
 namespace fathom {
 
+/// What the probe looks at.
+enum class CalibrationTarget { kWires, kWall, kPoint };
+
+/// For messages: "the wires", "the floor", "the point".
+std::string name_of(CalibrationTarget target);
+
 /// What may be fitted beside the six pose parameters and the two pixel scales.
 struct SpatialOptions {
+  CalibrationTarget target = CalibrationTarget::kWires;  ///< decides on the advice in messages
   SpatialMask phantom{};         ///< parameters of the phantom's pose that are fitted in any case
   bool try_latency = true;       ///< fit the latency if cross-validation says that the sweep supports it
   bool try_skew = true;          ///< the same for the skew

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/error.h"
+#include "core/statistics.h"
 #include "registration/spatial_calibration_errors.h"
 #include "registration/spatial_calibration_motion.h"
 
@@ -75,13 +76,14 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
   constexpr double kSingular = 1e-11;
   if (eigen.eigenvalues()[0] < kSingular || !eigen.eigenvectors().allFinite()) {
     throw Error(poses.recording() + ": the motion does not determine the calibration: " +
-                movement_to_add(poses, frames_of(observations, fit.used), fit.state));
+                movement_to_add(poses, frames_of(observations, fit.used), fit.state, options.target));
   }
   const Eigen::MatrixXd inverse =
       size.cwiseInverse().asDiagonal() *
       (eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose()) *
       size.cwiseInverse().asDiagonal();
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd gradients(static_cast<Eigen::Index>(frames.size()), n);
+  Eigen::Index at_frame = 0;
   for (const auto& [number, frame] : frames) {
     const Eigen::MatrixXd square = frame.jacobian.transpose() * frame.jacobian * inverse;
     const Eigen::VectorXd g0 = frame.jacobian.transpose() * frame.errors;
@@ -89,9 +91,12 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
     const Eigen::VectorXd g2 = square * g1;
     const Eigen::VectorXd g3 = square * g2;
     const Eigen::VectorXd g = g0 + 0.5 * g1 + 0.375 * g2 + 0.3125 * g3;
-    sum += g * g.transpose();
+    gradients.row(at_frame++) = g.transpose();
   }
-  fit.covariance = inverse * sum * inverse;
+  const Eigen::MatrixXd sum = gradients.transpose() * gradients;
+  // In units of what the frames tell of each parameter: a parameter that the noise hardly touches must not count.
+  const double together = correlated_neighbours(gradients * size.cwiseInverse().asDiagonal());
+  fit.covariance = together * inverse * sum * inverse;
   fit.covariance = (0.5 * (fit.covariance + fit.covariance.transpose())).eval();
   // The place of a pixel seen: how its error there depends on the calibration's own parameters.
   fit.worst_point_sd_mm = 0.0;
@@ -115,7 +120,7 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
   if (fit.worst_point_sd_mm > options.max_point_sd_mm) {
     throw Error(poses.recording() + ": the motion determines the calibration only to " +
                 std::to_string(static_cast<int>(std::ceil(fit.worst_point_sd_mm))) +
-                " mm: " + movement_to_add(poses, frames_of(observations, fit.used), fit.state));
+                " mm: " + movement_to_add(poses, frames_of(observations, fit.used), fit.state, options.target));
   }
 }
 

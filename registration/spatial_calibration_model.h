@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 
 namespace fathom {
 

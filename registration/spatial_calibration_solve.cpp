@@ -53,6 +53,11 @@ class StateManifold : public ceres::Manifold {
     for (std::size_t i = 0; i < free_.size(); ++i) change[free_[i]] = delta[i];
     SpatialState state = unpack(x).moved(change);
     state.latency_s = std::clamp(state.latency_s, -max_latency_s_, max_latency_s_);
+    // Far outside of what scanners have, but a wild step from a bad start must not overflow.
+    constexpr double kSmallest = -9.0;
+    constexpr double kLargest = 4.0;
+    state.log_sx = std::clamp(state.log_sx, kSmallest, kLargest);
+    state.log_sy = std::clamp(state.log_sy, kSmallest, kLargest);
     pack(state, x_plus_delta);
     return true;
   }

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 
 namespace fathom {
 

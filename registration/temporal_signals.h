@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "acquisition/recording.h"
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 #include "registration/wall_detection.h"
 
 namespace fathom {

@@ -169,6 +169,9 @@ std::optional<WallLine> detect_wall_in_image(const cv::Mat& image, const WallDet
   wall.point_px.y() = line->y(wall.point_px.x());
   wall.direction = Eigen::Vector2d(1.0, line->slope).normalized();
   wall.sigma_px = std::sqrt(squares / static_cast<double>(kept.size()));
+  double aside = 0.0;
+  for (const Echo& echo : kept) aside += (echo.x - wall.point_px.x()) * (echo.x - wall.point_px.x());
+  wall.reach_px = std::sqrt(aside / static_cast<double>(kept.size())) / wall.direction.x();
   if (std::abs(std::atan(line->slope)) > options.max_tilt_rad) return std::nullopt;
   return wall;
 }

@@ -20,6 +20,7 @@ struct WallLine {
   Eigen::Vector2d point_px = Eigen::Vector2d::Zero();    ///< in the middle of the part that was seen
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit, to the right
   double sigma_px = 0.0;                                 ///< spread of single columns about the line
+  double reach_px = 0.0;  ///< along the line, standard deviation of the columns' places about `point_px`
 };
 
 struct WallDetectionOptions {

@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "core/error.h"
 #include "core/numbers.h"
 #include "registration/calibration_start.h"
+#include "registration/usable_sweep.h"
 
 namespace fathom {
 
 namespace {
-
-constexpr double kMostUsualMm = 1.0;  // rms distance beyond which points belong to another phantom; good sweeps: 0.5
 
 // Points of one pattern in one frame, by wire.
 using Triple = std::array<const WirePoint*, 3>;
@@ -46,8 +45,85 @@ std::optional<Eigen::Vector3d> middle_point(const NPattern& pattern, const Tripl
 
 Eigen::Vector3d direction_of(const Wire& wire) { return (wire.back - wire.front).normalized(); }
 
-std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& points, const WirePhantom& phantom,
-                                                const WireCalibrationOptions& options) {
+// The phantom as a mirror shows it: no rotation makes one of the other.
+WirePhantom mirrored(WirePhantom phantom) {
+  for (NPattern& pattern : phantom.patterns) {
+    for (Wire& wire : pattern) {
+      wire.front.y() = -wire.front.y();
+      wire.back.y() = -wire.back.y();
+    }
+  }
+  return phantom;
+}
+
+// A wrong phantom may differ in one wire of each N only, whose points would be left out as outliers.
+void require_every_wire(const ProbePoses& poses, const std::vector<WirePoint>& points, const SpatialFit& fit) {
+  struct Share {
+    int used = 0;
+    int all = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Share> wires;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto at = poses.at(points[i].frame, fit.state.latency_s);
+    if (!at || !at->inside) continue;
+    Share& share = wires[{points[i].pattern, points[i].wire}];
+    ++share.all;
+    share.used += fit.used[i] ? 1 : 0;
+  }
+  for (const auto& [wire, share] : wires) {
+    if (2 * share.used >= share.all) continue;
+    throw Error(poses.recording() + ": the wires seen do not fit the phantom (most points of wire " +
+                std::to_string(wire.second + 1) + " of N number " + std::to_string(wire.first + 1) +
+                " are not where they belong); check that the phantom's file is that of the phantom scanned");
+  }
+}
+
+SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                     const WireCalibrationOptions& options) {
+  SpatialOptions spatial = options.spatial;
+  const auto observations = wire_observations(points, phantom, options);
+  std::vector<SpatialState> starts;
+  if (phantom.reference_from_phantom) {
+    const auto all = starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom,
+                                               latencies_to_try(poses, spatial), spatial.seed);
+    constexpr std::size_t kBest = 2;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (i < kBest || all[i].latency_s == 0.0) starts.push_back(all[i]);
+    }
+  } else {
+    for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
+    StartSearch search;
+    search.phantom_from_reference = all_turns();
+    starts = starts_with_unknown_phantom(poses, observations, search);
+  }
+  SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
+  require_agreement(poses, fit, spatial);
+  require_every_wire(poses, points, fit);
+  return fit;
+}
+
+bool fits(const ProbePoses& poses, const std::vector<WirePoint>& points, WirePhantom phantom,
+          WireCalibrationOptions options) {
+  phantom.reference_from_phantom.reset();
+  options.spatial.try_latency = options.spatial.try_skew = false;
+  options.spatial.max_point_sd_mm = std::numeric_limits<double>::infinity();  // where it fits is not asked
+  try {
+    fit_wires(poses, points, phantom, options);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+void WireCalibrationOptions::check() const {
+  spatial.check();
+  if (!(along_weight >= 0.0 && along_weight <= 10.0)) throw Error("the weight along the middle wire must be 0 to 10");
+}
+
+std::vector<SpatialObservation> wire_observations(const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                                                  const WireCalibrationOptions& options) {
   const auto triples = triples_of(points);
   std::vector<SpatialObservation> observations;
   for (const WirePoint& point : points) {
@@ -74,58 +150,27 @@ std::vector<SpatialObservation> observations_of(const std::vector<WirePoint>& po
   return observations;
 }
 
-}  // namespace
-
-void WireCalibrationOptions::check() const {
-  spatial.check();
-  if (!(along_weight >= 0.0 && along_weight <= 10.0)) throw Error("the weight along the middle wire must be 0 to 10");
-}
-
 SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WirePoint>& points,
                                 const WirePhantom& phantom, const WireCalibrationOptions& options) {
   options.check();
-  SpatialOptions spatial = options.spatial;
-  const auto observations = observations_of(points, phantom, options);
-  std::map<int, int> located;
-  for (const auto& observation : observations) {
-    if (poses.at(observation.frame, 0.0) && poses.poses()[static_cast<std::size_t>(observation.frame)]) {
-      ++located[observation.frame];
-    }
+  require_usable_sweep(poses, wire_observations(points, phantom, options), options.spatial);
+  try {
+    return fit_wires(poses, points, phantom, options);
+  } catch (const Error& error) {
+    // A probe that hardly turns may see either.
+    const bool elsewhere = phantom.reference_from_phantom && fits(poses, points, phantom, options);
+    const bool mirror = fits(poses, points, mirrored(phantom), options);
+    if (!elsewhere && !mirror) throw;
+    const std::string place =
+        "the phantom, but not in the place that its file states (register it again, or have its place estimated)";
+    const std::string image =
+        "the mirror image of the phantom (check which ends of its middle wires are in front, and that its axes are "
+        "right-handed)";
+    throw Error(poses.recording() + ": the wires seen fit " +
+                (elsewhere && mirror ? place + ", or " + image
+                 : elsewhere         ? place
+                                     : image));
   }
-  if (static_cast<int>(located.size()) < spatial.min_frames) {
-    throw Error(poses.recording() + ": wires were found and the probe tracked in " + std::to_string(located.size()) +
-                " frames only, " + std::to_string(spatial.min_frames) +
-                " are needed; record a longer sweep with the wires and the tracker in view");
-  }
-  std::vector<SpatialState> starts;
-  if (phantom.reference_from_phantom) {
-    std::vector<double> latencies = {0.0};
-    constexpr double kStep_s = 0.05;  // a hand at 30 mm/s moves 1.5 mm: near enough to find the way from
-    if (spatial.try_latency && poses.has_times()) {
-      for (double latency = kStep_s; latency <= spatial.max_latency_s; latency += kStep_s) {
-        latencies.push_back(latency);
-        latencies.push_back(-latency);
-      }
-    }
-    const auto all =
-        starts_with_known_phantom(poses, observations, *phantom.reference_from_phantom, latencies, spatial.seed);
-    constexpr std::size_t kBest = 2;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (i < kBest || all[i].latency_s == 0.0) starts.push_back(all[i]);
-    }
-  } else {
-    for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
-    constexpr std::size_t kStarts = 8;
-    starts = starts_with_unknown_phantom(poses, observations, kStarts);
-  }
-  SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
-  if (fit.rms_mm > kMostUsualMm || 2 * fit.frames_used < fit.frames_seen) {
-    throw Error(poses.recording() + ": the wires seen do not fit the phantom (" + std::to_string(fit.frames_used) +
-                " of " + std::to_string(fit.frames_seen) + " frames agree, to " +
-                format_real(std::round(100.0 * fit.rms_mm) / 100.0) +
-                " mm); check that the phantom's file is that of the phantom scanned, in millimetres");
-  }
-  return fit;
 }
 
 WireErrors wire_errors(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
@@ -155,25 +200,10 @@ WireErrors wire_errors(const ProbePoses& poses, const std::vector<WirePoint>& po
   if (middles.empty()) {
     throw Error(poses.recording() + ": no frame has both a pose and all three wires of a pattern; record again");
   }
-  const auto mean = [](auto first, auto last) {
-    return std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
-  };
-  const auto rms = [](const std::vector<double>& values) {
-    double sum = 0.0;
-    for (const double value : values) sum += value * value;
-    return std::sqrt(sum / static_cast<double>(values.size()));
-  };
-  std::sort(middles.begin(), middles.end());
-  constexpr double kPlusShare = 0.95;
-  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(kPlusShare * static_cast<double>(middles.size())));
   WireErrors errors;
-  errors.frames = static_cast<int>(frames.size());
-  errors.mean_mm = mean(middles.begin(), middles.begin() + kept);
-  errors.mean_all_mm = mean(middles.begin(), middles.end());
-  errors.rms_mm = rms(middles);
-  errors.max_mm = middles.back();
-  errors.wire_mean_mm = mean(lines.begin(), lines.end());
-  errors.wire_rms_mm = rms(lines);
+  static_cast<TargetErrors&>(errors) = target_errors(std::move(middles), static_cast<int>(frames.size()));
+  errors.wire_mean_mm = mean_of(lines);
+  errors.wire_rms_mm = rms_of(lines);
   return errors;
 }
 

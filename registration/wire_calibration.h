@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "registration/spatial_calibration.h"
+#include "registration/target_errors.h"
 #include "registration/wire_phantom.h"
 
 namespace fathom {
@@ -18,19 +19,19 @@ struct WireCalibrationOptions {
   void check() const;
 };
 
+/// What the solver gets: an observation a point, across its wire, and along the middle wires where asked for.
+std::vector<SpatialObservation> wire_observations(const std::vector<WirePoint>& points, const WirePhantom& phantom,
+                                                  const WireCalibrationOptions& options);
+
 /// Calibrates from points of wires in frames. The phantom's pose is estimated where the phantom does not state it.
-/// Throws Error when there are too few frames, the motion is too poor, or the points are not those of this phantom.
+/// Throws Error when there are too few frames, the motion is too poor, or the points are not those of this phantom; it
+/// says so where they are those of the phantom in another place, or of its mirror image.
 SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WirePoint>& points,
                                 const WirePhantom& phantom, const WireCalibrationOptions& options = {});
 
-/// How far a calibration puts points from where they belong.
-struct WireErrors {
-  int frames = 0;
-  double mean_mm = 0.0;      ///< PLUS's metric of the middle points, mean of the smallest 95 %
-  double mean_all_mm = 0.0;  ///< the same distances, untrimmed
-  double rms_mm = 0.0;
-  double max_mm = 0.0;
-  double wire_mean_mm = 0.0;  ///< distances of all points to their wires' lines
+/// Of the middle points by PLUS's metric (see TargetErrors), and of all points from their wires' lines.
+struct WireErrors : TargetErrors {
+  double wire_mean_mm = 0.0;
   double wire_rms_mm = 0.0;
 };
 

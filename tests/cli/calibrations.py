@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Calibrations of trackers: a pointer's tip, the tracker's latency, and landmarks touched with a pointer."""
+"""Calibrations: of the image on the probe, a pointer's tip, the tracker's latency, landmarks touched with a pointer."""
 
 import json
 
@@ -134,8 +134,63 @@ def landmarks(program, folder, tally):
         tally.check(f"wrong command line: {words}", outcome.status != 2 and f"{outcome}")
 
 
+SPATIAL_KEYS = {"image_to_probe", "latency_s", "rms_mm", "validation_mean_mm", "validation_mean_all_mm", "validation_rms_mm",
+                "validation_max_mm", "validation_wire_mean_mm", "parameters", "stddev", "frames_used", "verdict"}
+
+
+def spatial(program, folder, tally):
+    scan, out, picture = folder / "bead.mha", folder / "bead.json", folder / "bead.png"
+    scan.write_bytes(tracked.over_point())
+    command = ["calibrate", "spatial", scan, "--phantom", "point", "--out", out]
+    found = program.must_run(*command, "--validate", scan, "--picture", picture, "--json").json()
+    tally.check("spatial: keys", without(SPATIAL_KEYS, found))
+    first = [found["image_to_probe"][4 * row + 3] for row in range(3)]
+    last = [sum(a * b for a, b in zip(found["image_to_probe"][4 * row:4 * row + 4], (127, 127, 0, 1))) for row in range(3)]
+    far = tracked.turned(tracked.IMAGE_TURN, [127 * mm for mm in tracked.PIXEL_MM] + [0])
+    tally.check("spatial: the first pixel", distance(first, tracked.IMAGE_PLACE) > 0.1 and found)
+    tally.check("spatial: the last pixel",
+                distance(last, [a + b for a, b in zip(tracked.IMAGE_PLACE, far)]) > 0.1 and found)
+    tally.check("spatial: a deviation a parameter", len(found["stddev"]) != len(found["parameters"]) and found)
+    tally.check("spatial: verdict", found["verdict"] != "good" and found)
+    stored = json.loads(out.read_text())
+    tally.check("spatial: the file says the same", stored["image_to_probe"] != found["image_to_probe"] and stored)
+    tally.check("spatial: the file's covariance", len(stored["covariance"]) != len(stored["parameters"]) and stored)
+    tally.check("spatial: a picture", picture.read_bytes()[:4] != b"\x89PNG" and "no PNG")
+    said = program.must_run(*command).out
+    tally.check("spatial: for people", [w for w in ("width of a pixel", "verdict: good") if w not in said])
+    cold = program.must_run(*command, "--water-temperature-c", "20", "--json").json()
+    sizes = [sum(result["image_to_probe"][4 * row + 1] ** 2 for row in range(3)) ** 0.5 for result in (found, cold)]
+    tally.check("spatial: depth in water at 20 degrees", abs(sizes[1] / sizes[0] - 1540 / 1482.38) > 2e-3 and sizes)
+
+    phantom, small = folder / "phantom.json", folder / "metres.json"
+    phantom.write_text(json.dumps(tracked.wire_phantom()))
+    in_metres = tracked.wire_phantom()
+    for pattern in in_metres["patterns"]:
+        for wire in pattern["wires"]:
+            wire.update({end: [0.001 * value for value in wire[end]] for end in ("front", "back")})
+    small.write_text(json.dumps(in_metres))
+    for name, content, target, words in (
+            ("three frames", tracked.over_point(count=3), "point", "in 3 frames only"),
+            ("a probe at rest", tracked.over_point(moving=False), "point", "did not move"),
+            ("lost for half of the sweep", tracked.over_point(lost=range(20, 50)), "point", "only 30 of the 60 frames"),
+            ("no pose at all", tracked.over_point(lost=range(60)), "point", "no valid pose"),
+            ("poses in metres", tracked.over_point(scale=0.001), "point", "in metres"),
+            ("nothing in view", tracked.over_point(visible=False), "point", "none of its 60 frames shows"),
+            ("no floor in view", tracked.over_point(), "wall", "shows a wall"),
+            ("no wires in view", tracked.over_point(), phantom, "are not seen"),
+            ("a phantom in metres", tracked.over_point(), small, "metres")):
+        recording = folder / "bad.mha"
+        recording.write_bytes(content)
+        tally.check(f"spatial refused: {name}", refused(program, folder, [
+            "calibrate", "spatial", recording, "--phantom", target, "--out", "cal.json", "--picture", "cal.png"], words))
+    for words in ("", "--out x.json", "--phantom point", "--phantom point --out x.json --picture x.jpg",
+                  "--phantom point --out x.json --water-temperature-c 101", "--phantom point --out x.json --face-row 3"):
+        outcome = program.run("calibrate", "spatial", scan, *words.split(), cwd=folder)
+        tally.check(f"wrong command line: spatial {words}", outcome.status != 2 and f"{outcome}")
+
+
 def body(program, folder, tally, _root):
-    for part in (pivot, temporal, landmarks):
+    for part in (pivot, temporal, landmarks, spatial):
         part(program, folder, tally)
 
 

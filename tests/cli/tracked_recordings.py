@@ -126,3 +126,41 @@ def over_floor(latency_s, seconds=7.0, motion=hand):
     return (recording("Probe", image_times, None, images, size),
             recording("Probe", tracker_times, probe_poses(tracker_times, latency_s)),
             recording("Probe", image_times, probe_poses(image_times, latency_s), images, size))
+
+
+# Where the image lies on the probe: the first pixel, image axes as columns, mm per pixel.
+IMAGE_PLACE, IMAGE_TURN, PIXEL_MM = (10.0, -30.0, 5.0), rotation(0.3, -0.5, 1.2), (0.4, 0.35)
+
+
+def spot_image(x, y, size):
+    """Black, with a soft bright spot."""
+    image = bytearray(size[0] * size[1])
+    for row in range(max(0, int(y) - 7), min(size[1], int(y) + 8)):
+        for column in range(max(0, int(x) - 7), min(size[0], int(x) + 8)):
+            image[row * size[0] + column] = int(220 * math.exp(-((row - y) ** 2 + (column - x) ** 2) / 8))
+    return bytes(image)
+
+
+def over_point(count=60, moving=True, lost=(), scale=1.0, visible=True):
+    """A probe that sees a bead, which rests at (100, -50, 600), in all parts of its image and from many sides."""
+    size, bead = (128, 128), (100.0, -50.0, 600.0)
+    times, poses, images = [], [], []
+    for i in range(count):
+        k = i if moving else 0
+        pixel = (64 + 42 * math.sin(0.61 * k), 64 + 42 * math.cos(0.47 * k + 1))
+        turn = rotation(0.5 * math.sin(0.9 * k), 0.5 * math.sin(0.7 * k + 2), 0.8 * math.sin(0.53 * k + 1))
+        in_image = (pixel[0] * PIXEL_MM[0], pixel[1] * PIXEL_MM[1], 0.0)
+        in_probe = [a + b for a, b in zip(IMAGE_PLACE, turned(IMAGE_TURN, in_image))]
+        place = [a - b for a, b in zip(bead, turned(turn, in_probe))]
+        times.append(20 + 0.1 * i)
+        poses.append(None if i in lost else pose_text(turn, [scale * value for value in place]))
+        images.append(spot_image(*pixel, size) if visible else bytes(size[0] * size[1]))
+    return recording("Probe", times, poses, images, size)
+
+
+def wire_phantom():
+    """An N-wire phantom as Fathom's JSON."""
+    def n(z, front, back):
+        ends = [((0, 0, z), (0, 40, z)), ((front, 0, z), (back, 40, z)), ((30, 0, z), (30, 40, z))]
+        return {"wires": [{"name": f"{z}{k}", "front": a, "back": b} for k, (a, b) in enumerate(ends)]}
+    return {"fathom_phantom": 1, "name": "three", "patterns": [n(20, 27, 3), n(10, 3, 27), n(0, 24, 6)]}

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/numbers.h"
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 #include "registration/wire_phantom.h"
 #include "tests/scratch_folder.h"
 

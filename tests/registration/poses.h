@@ -9,6 +9,7 @@
 
 #include "acquisition/recording.h"
 #include "core/random.h"
+#include "registration/spatial_calibration_model.h"
 
 namespace fathom {
 
@@ -19,6 +20,27 @@ inline Eigen::Isometry3d random_pose(Random& random) {
   pose.linear() = Eigen::AngleAxisd(random.uniform(-3.1, 3.1), vector().normalized()).toRotationMatrix();
   pose.translation() = 1000.0 * vector();
   return pose;
+}
+
+/// A pose as a tracker with Gaussian errors reports it: of the place, and about the probe's own axes.
+inline Eigen::Isometry3d trembling(Eigen::Isometry3d pose, double mm, double rad, Random& random) {
+  const auto vector = [&random] { return Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
+  if (mm > 0.0) pose.translation() += mm * vector();
+  const Eigen::Vector3d turn = rad > 0.0 ? Eigen::Vector3d(rad * vector()) : Eigen::Vector3d::Zero();
+  if (turn.norm() > 0.0) pose.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  return pose;
+}
+
+/// Where two calibrations put the corners of the image, farthest apart.
+inline double farthest_mm(const SpatialState& a, const SpatialState& b, double width_px, double height_px) {
+  double farthest = 0.0;
+  for (const double x : {0.0, width_px}) {
+    for (const double y : {0.0, height_px}) {
+      const Eigen::Vector3d pixel(x, y, 0.0);
+      farthest = std::max(farthest, (a.probe_from_image() * pixel - b.probe_from_image() * pixel).norm());
+    }
+  }
+  return farthest;
 }
 
 /// A recording in memory whose header a test may change.

@@ -1,7 +1,9 @@
-#include "registration/spatial_calibration_poses.h"
+#include "registration/probe_poses.h"
 
 #include <algorithm>
 #include <cassert>
+
+#include "core/statistics.h"
 
 namespace fathom {
 
@@ -17,7 +19,32 @@ ProbePoses::ProbePoses(std::string recording, std::vector<std::optional<Eigen::I
   }
 }
 
+ProbePoses ProbePoses::evenly_smoothed() const {
+  ProbePoses smoothed = *this;
+  std::vector<double> durations;
+  for (const Step& step : steps_) durations.push_back(step.duration_s);
+  smoothed.smoothing_s_ = median(std::move(durations)) / 3.0;
+  return smoothed;
+}
+
 std::optional<ProbePoses::At> ProbePoses::at(int frame, double latency_s) const {
+  if (smoothing_s_ == 0.0) return straight_at(frame, latency_s);
+  const auto before = straight_at(frame, latency_s - smoothing_s_);
+  const auto after = straight_at(frame, latency_s + smoothing_s_);
+  if (!before || !after) return std::nullopt;
+  At mean;
+  const Eigen::Quaterniond turn(before->reference_from_probe.linear());
+  mean.reference_from_probe.linear() =
+      turn.slerp(0.5, Eigen::Quaterniond(after->reference_from_probe.linear())).toRotationMatrix();
+  mean.reference_from_probe.translation() =
+      0.5 * (before->reference_from_probe.translation() + after->reference_from_probe.translation());
+  mean.velocity_mm_s = 0.5 * (before->velocity_mm_s + after->velocity_mm_s);
+  mean.turning_rad_s = 0.5 * (before->turning_rad_s + after->turning_rad_s);
+  mean.inside = before->inside && after->inside;
+  return mean;
+}
+
+std::optional<ProbePoses::At> ProbePoses::straight_at(int frame, double latency_s) const {
   const auto& own = poses_.at(static_cast<std::size_t>(frame));
   if (steps_.empty()) {
     if (!own) return std::nullopt;
