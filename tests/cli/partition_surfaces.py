@@ -28,7 +28,32 @@ def scan(program, folder):
     return planes
 
 
+def overlapping_sweeps(program, folder, tally):
+    """Three sweeps that overlap and look in different directions, from the scan to its volumes."""
+    scanned = folder / "three.mha"
+    program.must_run("simulate", "--object", "ellipsoid", "--pattern", "sweeps-e", "--frames", 60, "--out", scanned)
+    truth = json.loads((folder / "three.truth.json").read_text())["volume_ml"]
+    calibration = ("--calibration", folder / "three.calibration.json")
+    found = json.loads(program.must_run("sweeps", scanned, *calibration, "--json").out)["sweeps"]
+    tally.check("the three sweeps are found",
+                [(s["first"], s["last"]) for s in found] != [(0, 19), (20, 39), (40, 59)] and found)
+    program.must_run("planes", scanned, *calibration, "--out", folder / "three.planes.json")
+    drawn = [scanned, *calibration, "--contours", folder / "three.contours.json", "--planes", folder / "three.planes.json"]
+    structure = json.loads(program.must_run("measure", *drawn, "--json").out)["structures"][0]
+    for method in ("linear", "cubic"):
+        volume = structure["volume_ml"][method]
+        tally.check(f"{method} planimetry of three sweeps gives the ellipsoid",
+                    (volume is None or abs(volume - truth) > 0.02 * truth) and f"{volume}, not {truth}")
+    made = json.loads(program.must_run("surface", *drawn, "--out", folder / "three.ply", "--json").out)
+    tally.check("a surface for each of three sweeps",
+                sorted({part["sweep"] for part in made["partitions"]}) != [0, 1, 2] and made)
+    tally.check("and together they hold the ellipsoid",
+                (made["volume_ml"] is None or abs(made["volume_ml"] - truth) > 0.05 * truth)
+                and f"{made['volume_ml']}, not {truth}: {made['warnings']}")
+
+
 def body(program, folder, tally, _root):
+    overlapping_sweeps(program, folder, tally)
     planes = scan(program, folder)
     truth = json.loads((folder / "ball.truth.json").read_text())["volume_ml"]
     drawn = ["surface", folder / "ball.mha", "--calibration", folder / "ball.calibration.json", "--contours",
