@@ -166,15 +166,13 @@ SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WireP
     const bool elsewhere = phantom.reference_from_phantom && fits(poses, points, anywhere, options);
     const bool mirror = fits(poses, points, mirrored(anywhere), options);
     if (!elsewhere && !mirror) throw;
-    const std::string place =
-        "the phantom, but not in the place that its file states (register it again, or have its place estimated)";
-    const std::string image =
-        "the mirror image of the phantom (check which ends of its middle wires are in front, and that its axes are "
-        "right-handed)";
-    throw Error(poses.recording() + ": the wires seen fit " +
-                (elsewhere && mirror ? place + ", or " + image
-                 : elsewhere         ? place
-                                     : image));
+    const std::string fitting =
+        poses.recording() + ": the wires seen fit " +
+        (elsewhere ? "the phantom, but not in the place that its file states" : "the mirror image of the phantom");
+    throw Error(
+        fitting + (elsewhere && mirror ? ", or its mirror image" : "") + "; " +
+        (elsewhere ? "register it again, or have its place estimated" : "") + (elsewhere && mirror ? ", and " : "") +
+        (mirror ? "check which ends of its middle wires are in front, and that its axes are right-handed" : ""));
   }
 }
 
