@@ -22,14 +22,20 @@ constexpr int kBlocks = 10;                  // of frames that follow each other
 constexpr double kBetterBeyondChance = 2.0;  // standard errors of the paired difference
 constexpr double kBetterAtAll = 0.01;        // of the mean squared distance: less is not worth a parameter
 
+std::vector<int> parameters_of(const SpatialMask& fitted) {
+  std::vector<int> parameters;
+  for (int i = 0; i < kSpatialParameters; ++i) {
+    if (fitted[static_cast<std::size_t>(i)]) parameters.push_back(i);
+  }
+  return parameters;
+}
+
 SpatialFit robust_fit(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
                       const SpatialState& start, const SpatialMask& fitted, const SpatialOptions& options) {
   SpatialFit fit;
   fit.state = start;
   fit.fitted = fitted;
-  for (int i = 0; i < kSpatialParameters; ++i) {
-    if (fitted[static_cast<std::size_t>(i)]) fit.parameters.push_back(i);
-  }
+  fit.parameters = parameters_of(fitted);
   constexpr int kLossRounds = 3;
   for (int round = 0; round < kLossRounds; ++round) {
     const SpatialErrors errors = spatial_errors(poses, observations, fit.state);
@@ -200,18 +206,21 @@ SpatialFit calibrate_spatial(const ProbePoses& poses, const std::vector<SpatialO
   }
   if (!plain && !shifted) throw Error(nothing_fits(poses, options));
   const bool late = !plain || (shifted && predicts_better(even, observations, *plain, *shifted));
-  const ProbePoses& chosen = late ? even : poses;
-  SpatialFit best = late ? *shifted : robust_fit(poses, observations, plain->state, mask, options);
+  // The latency found is held from here on, and the poses are those that results will be made with: means are also less
+  // exact where the probe's way is curved.
+  SpatialFit best = robust_fit(poses, observations, late ? shifted->state : plain->state, mask, options);
   if (options.try_skew) {
-    SpatialMask skewed = best.fitted;
+    SpatialMask skewed = mask;
     skewed[kSkew] = true;
-    const SpatialFit fit = robust_fit(chosen, observations, best.state, skewed, options);
+    const SpatialFit fit = robust_fit(poses, observations, best.state, skewed, options);
     if (plausible(fit.state) && fit.frames_used >= options.min_frames &&
-        predicts_better(chosen, observations, best, fit)) {
+        predicts_better(poses, observations, best, fit)) {
       best = fit;
     }
   }
-  set_covariance(chosen, observations, best, options);
+  if (late) best.fitted[kLatency] = true;
+  best.parameters = parameters_of(best.fitted);
+  set_covariance(poses, observations, best, options);
   return best;
 }
 

@@ -52,8 +52,9 @@ SpatialFit fit_spatial(const ProbePoses& poses, const std::vector<SpatialObserva
                        const SpatialState& start, const SpatialMask& fitted, const SpatialOptions& options);
 
 /// Fits from several starts, keeps the best, and adds latency and skew where leaving out blocks of frames shows that
-/// they predict the frames left out better, beyond chance. `name` is of the recording, for messages.
-/// Throws Error when too few frames have observations and poses, or none of the starts leads to a plausible result.
+/// they predict the frames left out better, beyond chance. A latency is found on poses of even noise and then held.
+/// `name` is of the recording, for messages. Throws Error when too few frames have observations and poses, or none of
+/// the starts leads to a plausible result.
 SpatialFit calibrate_spatial(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
                              const std::vector<SpatialState>& starts, const SpatialOptions& options);
 

@@ -78,8 +78,9 @@ void require_every_wire(const ProbePoses& poses, const std::vector<WirePoint>& p
   }
 }
 
+// `start_count`: of starts to fit from where the phantom's place is not known.
 SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
-                     const WireCalibrationOptions& options) {
+                     const WireCalibrationOptions& options, std::size_t start_count = 8) {
   SpatialOptions spatial = options.spatial;
   const auto observations = wire_observations(points, phantom, options);
   std::vector<SpatialState> starts;
@@ -94,6 +95,7 @@ SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& poin
     for (int i = kPhantomTx; i <= kPhantomRz; ++i) spatial.phantom[static_cast<std::size_t>(i)] = true;
     StartSearch search;
     search.phantom_from_reference = all_turns();
+    search.count = start_count;
     starts = starts_with_unknown_phantom(poses, observations, search);
   }
   SpatialFit fit = calibrate_spatial(poses, observations, starts, spatial);
@@ -102,13 +104,13 @@ SpatialFit fit_wires(const ProbePoses& poses, const std::vector<WirePoint>& poin
   return fit;
 }
 
-bool fits(const ProbePoses& poses, const std::vector<WirePoint>& points, WirePhantom phantom,
+bool fits(const ProbePoses& poses, const std::vector<WirePoint>& points, const WirePhantom& phantom,
           WireCalibrationOptions options) {
-  phantom.reference_from_phantom.reset();
   options.spatial.try_latency = options.spatial.try_skew = false;
   options.spatial.max_point_sd_mm = std::numeric_limits<double>::infinity();  // where it fits is not asked
   try {
-    fit_wires(poses, points, phantom, options);
+    constexpr std::size_t kStarts = 3;  // the answer only words a message
+    fit_wires(poses, points, phantom, options, kStarts);
     return true;
   } catch (const Error&) {
     return false;
@@ -156,20 +158,21 @@ SpatialFit calibrate_with_wires(const ProbePoses& poses, const std::vector<WireP
   require_usable_sweep(poses, wire_observations(points, phantom, options), options.spatial);
   try {
     return fit_wires(poses, points, phantom, options);
-  } catch (const Error& error) {
+  } catch (const Error&) {
+    if (fits(poses, points, phantom, options)) throw;  // it is the motion that is poor
+    WirePhantom anywhere = phantom;
+    anywhere.reference_from_phantom.reset();
     // A probe that hardly turns may see either.
-    const bool elsewhere = phantom.reference_from_phantom && fits(poses, points, phantom, options);
-    const bool mirror = fits(poses, points, mirrored(phantom), options);
+    const bool elsewhere = phantom.reference_from_phantom && fits(poses, points, anywhere, options);
+    const bool mirror = fits(poses, points, mirrored(anywhere), options);
     if (!elsewhere && !mirror) throw;
-    const std::string place =
-        "the phantom, but not in the place that its file states (register it again, or have its place estimated)";
-    const std::string image =
-        "the mirror image of the phantom (check which ends of its middle wires are in front, and that its axes are "
-        "right-handed)";
-    throw Error(poses.recording() + ": the wires seen fit " +
-                (elsewhere && mirror ? place + ", or " + image
-                 : elsewhere         ? place
-                                     : image));
+    const std::string fitting =
+        poses.recording() + ": the wires seen fit " +
+        (elsewhere ? "the phantom, but not in the place that its file states" : "the mirror image of the phantom");
+    throw Error(
+        fitting + (elsewhere && mirror ? ", or its mirror image" : "") + "; " +
+        (elsewhere ? "register it again, or have its place estimated" : "") + (elsewhere && mirror ? ", and " : "") +
+        (mirror ? "check which ends of its middle wires are in front, and that its axes are right-handed" : ""));
   }
 }
 

@@ -263,3 +263,31 @@ def exams():
         yield f"a sweep with {values}", sweep(**values)
     yield "sweeps that share frames", changed(sweeps=good["sweeps"] * 2)
     yield "1001 sweeps", changed(sweeps=[{"first": n, "last": n} for n in range(1001)])
+
+
+def phantoms(good):
+    """Fathom's files of wire phantoms; `good` is one as Python has it."""
+
+    def changed(change):
+        document = json.loads(json.dumps(good))
+        change(document)
+        return json.dumps(document).encode()
+
+    def wire(name, **values):
+        return name, changed(lambda document: document["patterns"][0]["wires"][1].update(values))
+
+    yield from broken_json(json.dumps(good).encode())
+    yield "of a version to come", changed(lambda document: document.update(fathom_phantom=2))
+    yield "no patterns", changed(lambda document: document.pop("patterns"))
+    yield "no pattern in the list", changed(lambda document: document.update(patterns=[]))
+    yield "a pattern of two wires", changed(lambda document: document["patterns"][0]["wires"].pop())
+    yield "the same pattern twice", changed(lambda document: document["patterns"].append(document["patterns"][0]))
+    yield wire("a wire with a flat end", front=[3, 0])
+    yield wire("a wire with a text", front=["3", 0, 20])
+    yield wire("a wire of no length", front=[27, 40, 20], back=[27, 40, 20])
+    yield wire("a middle wire outside of its N", front=[50, 0, 20])
+    yield wire("a middle wire off the plane of its N", front=[27, 0, 30])
+    name, content = wire("an infinite wire", front=["HUGE", 0, 20])
+    yield name, content.replace(b'"HUGE"', b"1e999")
+    yield "a registration of 15 numbers", changed(lambda document: document.update(phantom_to_reference=[0] * 15))
+    yield "a registration of zeros", changed(lambda document: document.update(phantom_to_reference=[0] * 16))

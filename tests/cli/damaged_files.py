@@ -7,6 +7,7 @@ import damaged_documents
 import damaged_meshes
 import damaged_recordings
 import damaged_volumes
+import tracked_recordings
 from program import complaint_about_error, ordinary_user, run_script, tree
 from recording_file import MetaImage, Nrrd
 
@@ -171,6 +172,19 @@ class Suite:
             self.must_refuse(f"a recording as {kind}", scan, lambda path: {"convert": ["convert", path, f"out.{kind}"]})
         self.must_refuse("a compressed mesh", cube, lambda path: {"convert": ["convert", "--compress", path, "out.ply"]})
 
+    def phantoms(self):
+        bead = self.good / "bead.mha"
+        bead.write_bytes(tracked_recordings.over_point())
+
+        def runs(path):
+            return {"calibrate": ["calibrate", "spatial", bead, "--phantom", path, "--out", "out.json"]}
+
+        for name, content in damaged_documents.phantoms(tracked_recordings.wire_phantom()):
+            self.must_refuse(f"phantom: {name}", {"damaged.json": content}, runs)
+        self.must_refuse("phantom: not there", {}, runs)
+        self.must_refuse("phantom: a folder", {"damaged.json": damaged_recordings.folder}, runs)
+        self.must_refuse("phantom: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
+
     def landmarks(self):
         good = self.good / "landmarks.csv"
         good.write_bytes(damaged_documents.GOOD_LANDMARKS)
@@ -215,6 +229,7 @@ def body(program, folder, tally, _root):
     suite.volumes()
     suite.calibrations()
     suite.contours()
+    suite.phantoms()
     suite.landmarks()
     suite.planes()
     suite.exams()
