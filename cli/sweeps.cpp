@@ -22,12 +22,14 @@ void run(const SweepsCommand& options) {
   const ScanInput& input = options.input;
   auto exam = read_if_exam(input.recording);
   if (options.save) require_exam_to_save(exam);
-  // Without a calibration the probe's own path is followed: enough to see where it jumps.
+  // Without a calibration the path of the probe's own origin is followed: enough to see where it jumps.
   const bool placed = !input.calibration.empty() || (exam && !exam->calibration.empty());
   const Scan scan = placed ? open_scan(input, exam)
                     : exam ? open_scan(*exam, {}, input.names)
                            : open_scan(input.recording, {}, input.names);
-  const std::vector<Sweep> sweeps = find_sweeps(scan, options.find);
+  FindSweepsOptions find = options.find;
+  if (!placed) find.follow_px = Eigen::Vector2d::Zero();
+  const std::vector<Sweep> sweeps = find_sweeps(scan, find);
   if (options.save) {
     exam->sweeps = sweeps;
     write_exam(*exam);

@@ -28,7 +28,8 @@ std::vector<Sweep> find_sweeps(const Recording& recording, const FrameLocator& l
                                const FindSweepsOptions& options) {
   options.check();
   const RecordingHeader& header = recording.header();
-  const Eigen::Vector3d middle_px(0.5 * (header.width - 1), 0.5 * (header.height - 1), 0.0);
+  const Eigen::Vector2d middle_px(0.5 * (header.width - 1), 0.5 * (header.height - 1));
+  const Eigen::Vector2d follow_px = options.follow_px.value_or(middle_px);
   std::vector<Sweep> sweeps;
   std::optional<Sweep> current;
   Eigen::Vector3d before_mm = Eigen::Vector3d::Zero();
@@ -44,17 +45,17 @@ std::vector<Sweep> find_sweeps(const Recording& recording, const FrameLocator& l
     }
     const auto reference_from_image = locator.reference_from_image(i);
     if (!reference_from_image) continue;
-    const Eigen::Vector3d centre_mm = *reference_from_image * middle_px;
+    const Eigen::Vector3d place_mm = *reference_from_image * Eigen::Vector3d(follow_px.x(), follow_px.y(), 0.0);
     if (current) {
       const FrameHeader& last = header.frames[static_cast<std::size_t>(current->last)];
       const int steps = i - current->last;
       const bool pause = frame.time_s && last.time_s && *frame.time_s - *last.time_s > options.pause_s;
-      const bool jump = (centre_mm - before_mm).norm() > options.jump_mm * steps;
+      const bool jump = (place_mm - before_mm).norm() > options.jump_mm * steps;
       if (pause || jump || steps - 1 > options.lost_poses) finish();
     }
     if (!current) current = Sweep{0, i, i};
     current->last = i;
-    before_mm = centre_mm;
+    before_mm = place_mm;
   }
   finish();
   return sweeps;

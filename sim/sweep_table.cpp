@@ -33,14 +33,16 @@ ScanGeometry fan(double across, double side_deg, double azimuth_deg, double axis
 }  // namespace
 
 // Treece 2000 shows figure 4.10 as pictures only: (a) to (c) are two sweeps, (d) to (h) three; in (c) the B-scans are
-// not parallel and the dividing plane cuts them at an acute angle. What is more, the angles here are those, among some
-// hundred tried at random, at which linear planimetry has the published errors most nearly (table 4.1) with as many
-// sections as published, over the four objects together; (c) was chosen by hand, as its searched angles left parts of
-// the box out.
+// not parallel and the dividing plane cuts them at an acute angle. What is more was chosen so that linear planimetry
+// has the published errors (table 4.1) with as many sections as published, over the four objects together, as nearly as
+// could be found: (b) and (d) to (h) among some hundred sets of angles and sizes tried at random, (c) among four sets
+// tried by hand, since the search's own left parts of the box out. (a) is parallel and was written down by hand; (d)
+// came out of the search parallel. The images of (b) were made wider afterwards, until no part of an object lay
+// outside the images of the sweep that is used there. No number was chosen by what cubic planimetry makes of it.
 std::span<const SweepPattern> sweep_table() {
   static const std::array<SweepPattern, 8> table = {{
       {"sweeps-a", {0.64, 1.5}, {straight(-0.5), straight(0.5)}},
-      {"sweeps-b", {1.10, 1.9}, {sweep(-0.5, 0, deg(22, -1), deg(-6, 29)), sweep(0.5, 0, deg(-22, -1), deg(6, 29))}},
+      {"sweeps-b", {1.20, 1.9}, {sweep(-0.5, 0, deg(22, -1), deg(-6, 29)), sweep(0.5, 0, deg(-22, -1), deg(6, 29))}},
       {"sweeps-c", {1.60, 1.6}, {sweep(-0.5, 0, deg(10, 0), deg(70, 0)), sweep(0.5, 0, deg(-10, 0), deg(-70, 0))}},
       {"sweeps-d", {0.56, 1.5}, {straight(-0.95), straight(0), straight(0.95)}},
       {"sweeps-e",

@@ -10,6 +10,8 @@
 #include <span>
 #include <utility>
 
+#include "core/error.h"
+#include "measurement/partition_surface.h"
 #include "registration/dividing_planes.h"
 #include "registration/find_sweeps.h"
 #include "sim/scan_plan.h"
@@ -54,16 +56,48 @@ std::size_t sweeps_in(const std::string& pattern) {
   return 1;
 }
 
-int used_sections(const DividedScan& divided) {
+/// The sections in every region of the partition.
+std::vector<std::vector<CrossSection>> sections_by_region(const DividedScan& divided) {
+  const SpacePartition& partition = divided.division.partition;
+  std::vector<std::vector<CrossSection>> regions(partition.region_count());
+  for (const SpacePartition::Cell& cell : partition.cells()) {
+    if (!cell.sweep || !regions[cell.region].empty()) continue;
+    const Sweep& sweep = divided.division.sweeps[*cell.sweep];
+    const auto sections = section_outlines(divided.scan.outlines.front(), divided.locator, sweep);
+    regions[cell.region] = clip_sections(sections, partition, cell.region);
+  }
+  return regions;
+}
+
+int used_sections(const std::vector<std::vector<CrossSection>>& regions) {
   std::set<int> frames;
-  for (const SpacePartition::Cell& cell : divided.partition.cells()) {
-    if (!cell.sweep) continue;
-    const auto sections = section_outlines(divided.scan.outlines.front(), divided.locator, divided.sweeps[*cell.sweep]);
-    for (const CrossSection& section : clip_sections(sections, divided.partition, cell.region)) {
-      frames.insert(section.frame);
-    }
+  for (const auto& sections : regions) {
+    for (const CrossSection& section : sections) frames.insert(section.frame);
   }
   return static_cast<int>(frames.size());
+}
+
+double continued_ml(const std::vector<std::vector<CrossSection>>& regions) {
+  double sum_ml = 0.0;
+  for (const auto& sections : regions) {
+    if (measure_planimetry(sections).volumes.cubic_ml) sum_ml += cubic_planimetry_ml(sections, SplineEnd::kContinue);
+  }
+  return sum_ml;
+}
+
+/// The fewest sections with which these and all larger numbers keep an error within 2 %.
+std::optional<SweepsMeasurement> sustained(const std::vector<SweepsMeasurement>& measurements,
+                                           double SweepsMeasurement::*percent) {
+  std::optional<SweepsMeasurement> fewest;
+  for (auto m = measurements.rbegin(); m != measurements.rend(); ++m) {
+    if (!(std::abs((*m).*percent) <= kGoalPercent)) break;
+    fewest = *m;
+  }
+  return fewest;
+}
+
+std::string sections_text(const std::optional<SweepsMeasurement>& measurement) {
+  return measurement ? std::to_string(measurement->sections) : "-";
 }
 
 double error_percent(const std::optional<double>& measured_ml, double true_ml) {
@@ -71,10 +105,19 @@ double error_percent(const std::optional<double>& measured_ml, double true_ml) {
   return 100.0 * (*measured_ml / true_ml - 1.0);
 }
 
-std::string cell_text(const char* format, double a, double b) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, a, b);
+std::string number(const char* format, double value) {
+  if (std::isnan(value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
   return text;
+}
+
+SimulateOptions scan_options(const std::string& object, const std::string& pattern, int frames) {
+  SimulateOptions options;
+  options.object = object;
+  options.pattern = pattern;
+  options.frames = frames;
+  return options;
 }
 
 }  // namespace
@@ -87,15 +130,15 @@ DividedScan divided_scan(const SimulateOptions& options) {
   std::vector<SweepShape> shapes;
   for (const Sweep& sweep : sweeps) shapes.push_back(sweep_shape(sweep, locator, header.width, header.height));
   SpacePartition partition = place_dividing_planes(std::move(shapes), nullptr);
-  return {std::move(scan), std::move(locator), std::move(sweeps), std::move(partition)};
+  return {std::move(scan), std::move(locator), {std::move(sweeps), std::move(partition)}};
 }
 
 double cut_off_mm(const DividedScan& divided) {
   constexpr int kSamples = 100;  // along each line
   double largest_mm = 0.0;
-  for (std::size_t i = 0; i < divided.sweeps.size(); ++i) {
+  for (std::size_t i = 0; i < divided.division.sweeps.size(); ++i) {
     for (const Contour& contour : divided.scan.outlines.front().contours) {
-      if (contour.closed || !contains(divided.sweeps[i], contour.frame)) continue;
+      if (contour.closed || !contains(divided.division.sweeps[i], contour.frame)) continue;
       const auto reference_from_image = divided.locator.reference_from_image(contour.frame);
       if (!reference_from_image) continue;
       const auto place = [&](const Eigen::Vector2d& point) -> Eigen::Vector3d {
@@ -105,7 +148,7 @@ double cut_off_mm(const DividedScan& divided) {
       const Eigen::Vector3d way_mm = place(contour.points_px.front()) - start_mm;
       int used = 0;
       for (int k = 0; k < kSamples; ++k) {
-        if (divided.partition.sweep_at(start_mm + (k + 0.5) / kSamples * way_mm) == i) ++used;
+        if (divided.division.partition.sweep_at(start_mm + (k + 0.5) / kSamples * way_mm) == i) ++used;
       }
       largest_mm = std::max(largest_mm, way_mm.norm() * used / kSamples);
     }
@@ -114,22 +157,31 @@ double cut_off_mm(const DividedScan& divided) {
 }
 
 SweepsMeasurement measure_sweeps(const std::string& object, const std::string& pattern, int frames) {
-  SimulateOptions options;
-  options.object = object;
-  options.pattern = pattern;
-  options.frames = frames;
-  const DividedScan divided = divided_scan(options);
+  const DividedScan divided = divided_scan(scan_options(object, pattern, frames));
   const PartitionedVolume volume = measure_partitions(divided.scan.outlines.front(), std::span(&divided.locator, 1),
-                                                      divided.sweeps, divided.partition);
+                                                      divided.division.sweeps, divided.division.partition);
   const double true_ml = divided.scan.truth.volume_ml;
   SweepsMeasurement result;
   result.frames = frames;
-  result.sections = used_sections(divided);
+  const auto regions = sections_by_region(divided);
+  result.sections = used_sections(regions);
+  result.continued_percent = error_percent(continued_ml(regions), true_ml);
   result.linear_percent = error_percent(volume.total.linear_ml, true_ml);
   result.cubic_percent = error_percent(volume.total.cubic_ml, true_ml);
   result.cut_off_mm = cut_off_mm(divided);
   for (const PartitionVolume& part : volume.partitions) result.missing_percent += 100.0 * part.missing_ml / true_ml;
   return result;
+}
+
+double surface_error_percent(const std::string& object, const std::string& pattern, int frames) {
+  const DividedScan divided = divided_scan(scan_options(object, pattern, frames));
+  try {
+    const PartitionedSurface surface = partition_surface(divided.scan.outlines.front(), std::span(&divided.locator, 1),
+                                                         divided.division, ContourSurfaceOptions{});
+    return error_percent(surface.volume_ml, divided.scan.truth.volume_ml);
+  } catch (const Error&) {  // too few sections in a sweep for a surface
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 std::vector<SweepsCell> published_sweeps_cells() {
@@ -155,31 +207,41 @@ SweepsCell measure_sweeps_cell(const SweepsCell& cell) {
   for (int frames = kFewestPerSweep * sweeps; frames <= kMostPerSweep * sweeps; ++frames) {
     result.measurements.push_back(measure_sweeps(cell.object, cell.pattern, frames));
   }
-  for (auto m = result.measurements.rbegin(); m != result.measurements.rend(); ++m) {
-    if (!(std::abs(m->cubic_percent) <= kGoalPercent)) break;
-    result.sustained = *m;
-  }
+  result.sustained = sustained(result.measurements, &SweepsMeasurement::cubic_percent);
+  result.sustained_continued = sustained(result.measurements, &SweepsMeasurement::continued_percent);
   result.at_published = result.measurements.front();
   for (const SweepsMeasurement& m : result.measurements) {
     if (off(m) < off(result.at_published)) result.at_published = m;
   }
+  result.surface_percent = surface_error_percent(cell.object, cell.pattern, result.at_published.frames);
   return result;
 }
 
 std::string sweeps_table_text(const std::vector<SweepsCell>& cells) {
   std::string text =
-      "| object | pattern | sections for +-2 %, sustained (published) | linear there, % (published) | cubic there, % "
-      "| linear, % with the published number of sections | cubic | missing, % | cubic, % with 23 frames per sweep |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "| object | pattern | sections for +-2 %, sustained (published) | ends continued | linear there, % (published) | "
+      "cubic there, % "
+      "| linear, % with the published number of sections | cubic | surface (published) | missing, % "
+      "| linear, % with 23 frames per sweep | cubic |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const SweepsCell& cell : cells) {
-    text += "| " + cell.object + " | " + cell.pattern;
-    text += " | " + (cell.sustained ? std::to_string(cell.sustained->sections) : "-") + " (" +
-            std::to_string(cell.published_sections) + ")";
-    const SweepsMeasurement at = cell.sustained.value_or(SweepsMeasurement{});
-    text += cell_text(" | %+.1f (%.1f)", at.linear_percent, cell.published_linear);
-    text += cell_text(" | %+.2f | %+.1f", at.cubic_percent, cell.at_published.linear_percent);
-    text += cell_text(" | %+.2f | %.2f", cell.at_published.cubic_percent, cell.at_published.missing_percent);
-    text += cell_text(" | %+.2f |\n", cell.measurements.back().cubic_percent, 0.0);
+    const SweepsMeasurement none{.linear_percent = std::nan(""), .cubic_percent = std::nan("")};
+    const SweepsMeasurement& fewest = cell.sustained ? *cell.sustained : none;
+    const SweepsMeasurement& most = cell.measurements.back();
+    const std::string columns[] = {cell.object,
+                                   cell.pattern,
+                                   sections_text(cell.sustained) + " (" + std::to_string(cell.published_sections) + ")",
+                                   sections_text(cell.sustained_continued),
+                                   number("%+.1f", fewest.linear_percent) + number(" (%.1f)", cell.published_linear),
+                                   number("%+.2f", fewest.cubic_percent),
+                                   number("%+.1f", cell.at_published.linear_percent),
+                                   number("%+.2f", cell.at_published.cubic_percent),
+                                   number("%+.1f", cell.surface_percent) + number(" (%.1f)", cell.published_surface),
+                                   number("%.2f", cell.at_published.missing_percent),
+                                   number("%+.2f", most.linear_percent),
+                                   number("%+.2f", most.cubic_percent)};
+    for (const std::string& column : columns) text += "| " + column + " ";
+    text += "|\n";
   }
   return text;
 }

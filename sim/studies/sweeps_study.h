@@ -6,6 +6,7 @@
 
 #include "core/progress.h"
 #include "measurement/partition_volume.h"
+#include "registration/division.h"
 #include "sim/simulate.h"
 
 namespace fathom {
@@ -14,8 +15,7 @@ namespace fathom {
 struct DividedScan {
   SimulatedScan scan;
   FrameLocator locator;
-  std::vector<Sweep> sweeps;
-  SpacePartition partition;
+  Division division;
 };
 
 /// Throws Error as simulate, find_sweeps and place_dividing_planes.
@@ -31,6 +31,7 @@ struct SweepsMeasurement {
   int sections = 0;  ///< frames with a part of the object where their sweep is used: those that a person would outline
   double linear_percent = 0.0;  ///< signed errors of the volume; not a number where there is no volume
   double cubic_percent = 0.0;
+  double continued_percent = 0.0;  ///< as cubic_percent, with SplineEnd::kContinue in every partition
   /// Of the outlines that the image's border cuts, where this sweep is used: largest length of border within the
   /// object. Above 0 the images do not show all that is to be measured in them.
   double cut_off_mm = 0.0;
@@ -38,6 +39,10 @@ struct SweepsMeasurement {
 };
 
 SweepsMeasurement measure_sweeps(const std::string& object, const std::string& pattern, int frames);
+
+/// Signed error of the volume of the surfaces by maximal discs, of second order, that dividing planes cut; not a number
+/// where there is none. Throws Error as divided_scan.
+double surface_error_percent(const std::string& object, const std::string& pattern, int frames);
 
 /// One cell of Treece 2000, table 4.1.
 struct SweepsCell {
@@ -49,8 +54,10 @@ struct SweepsCell {
   std::vector<SweepsMeasurement> measurements;  ///< of every number of frames within the limits
   /// The fewest frames with which these and all larger numbers keep cubic planimetry within 2 %.
   std::optional<SweepsMeasurement> sustained;
+  std::optional<SweepsMeasurement> sustained_continued;  ///< the same of continued_percent
   /// The measurement whose number of sections is nearest to the published one.
   SweepsMeasurement at_published;
+  double surface_percent = 0.0;  ///< of the same scan, as surface_error_percent
 };
 
 inline constexpr int kFewestPerSweep = 4;

@@ -40,7 +40,7 @@ def overlapping_sweeps(program, folder, tally):
     program.must_run("planes", scanned, *calibration, "--out", folder / "three.planes.json")
     drawn = [scanned, *calibration, "--contours", folder / "three.contours.json", "--planes", folder / "three.planes.json"]
     structure = json.loads(program.must_run("measure", *drawn, "--json").out)["structures"][0]
-    for method in ("linear", "cubic"):
+    for method in ("linear_planimetry", "cubic_planimetry"):
         volume = structure["volume_ml"][method]
         tally.check(f"{method} planimetry of three sweeps gives the ellipsoid",
                     (volume is None or abs(volume - truth) > 0.02 * truth) and f"{volume}, not {truth}")

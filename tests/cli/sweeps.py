@@ -43,6 +43,14 @@ def sweeps_and_planes(program, folder, tally):
     alone = json.loads(program.must_run("sweeps", whole, "--json").out)["sweeps"]
     tally.check("one sweep stays one", [(s["first"], s["last"]) for s in alone] != [(0, FRAMES - 1)] and alone)
 
+    turning = folder / "turning.mha"  # a fan of a few degrees between frames, and three fans in a row
+    for pattern, frames, starts in (("fan", 36, [0]), ("sweeps-f", 36, [0, 12, 24])):
+        program.must_run("simulate", "--object", "sphere", "--pattern", pattern, "--frames", frames, "--out", turning)
+        for way in ((), ("--calibration", folder / "turning.calibration.json")):
+            found = json.loads(program.must_run("sweeps", turning, *way, "--json").out)["sweeps"]
+            tally.check(f"sweeps of {pattern}, {'with' if way else 'without'} a calibration",
+                        [s["first"] for s in found] != starts and found)
+
     planes = json.loads(program.must_run("planes", two, *calibration, "--json", "--out", folder / "planes.json").out)
     tally.check("two sweeps side by side need one plane", len(planes["dividing_planes"]) != 1 and planes)
     tally.check("each sweep has its side", sorted(cell["sweep"] for cell in planes["cells"]) != [0, 1] and planes)
