@@ -45,8 +45,9 @@ struct SpatialFit {
 };
 
 /// Robust least squares: Cauchy's loss first, then frames and points that stand out are left out and the rest is
-/// fitted plainly. The covariance is of errors that are alike within a frame and independent between frames, whatever
-/// their sizes (sums of products of the frames' gradients, corrected for the fitted parameters' own pull).
+/// fitted plainly. The covariance is of errors that are alike within a frame, whatever their sizes (sums of products of
+/// the frames' gradients, corrected for the fitted parameters' own pull), times the number of neighbouring frames whose
+/// errors hang together.
 /// Throws Error, naming the movement to add, where the motion does not determine the parameters.
 SpatialFit fit_spatial(const ProbePoses& poses, const std::vector<SpatialObservation>& observations,
                        const SpatialState& start, const SpatialMask& fitted, const SpatialOptions& options);
