@@ -169,6 +169,9 @@ class Exams:
             measured = self.must_run("measure", self.folder / "two.mha", "--calibration", self.calibration, "--contours",
                                      self.folder / "parts.json", "--no-surfaces", "--json").json()["structures"][0]
             found = (len(measured["partitions"]), measured["volume_ml"]["linear_planimetry"] is None)
+            made = self.must_run("surface", self.folder / "two.mha", "--calibration", self.calibration, "--contours",
+                                 self.folder / "parts.json", "--out", self.folder / "two.ply", "--json").json()
+            self.check(f"a surface through two sweeps that {name}", (made["volume_ml"] is None) != several and made)
             self.check(f"two sweeps that {name}", found != ((2, True) if several else (0, False)) and measured)
 
     def bad_planes(self):
