@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "acquisition/recording.h"
 #include "cli/command.h"
@@ -15,6 +16,7 @@
 #include "core/atomic_file.h"
 #include "measurement/contour_surface.h"
 #include "measurement/partition_surface.h"
+#include "measurement/partition_volume.h"
 #include "measurement/section_outline.h"
 #include "segmentation/outline_topology.h"
 #include "surface/mesh_file.h"
@@ -135,14 +137,22 @@ Made make_surface(const SurfaceCommand& command, const Structure& structure, con
 Made make_parts(const SurfaceCommand& command, const Structure& structure, const Scan& scan, const Division& division,
                 AtomicFile& file, const Progress& progress) {
   const Caps caps = command.open ? Caps::kOpen : Caps::kClosed;
+  Division whole = division;
+  // A single sweep has all of space, which no plane need tell.
+  if (whole.sweeps.size() == 1 && whole.partition.planes().empty()) {
+    whole.partition = SpacePartition(sweep_shapes(whole.sweeps, scan));
+  }
   PartitionedSurface surface =
-      partition_surface(structure, scan.locators, division, command.surface, caps, part_of(progress, 0.0, 0.9));
+      partition_surface(structure, scan.locators, whole, command.surface, caps, part_of(progress, 0.0, 0.9));
   const Mesh mesh = surface.mesh();
   write(mesh, structure, file, part_of(progress, 0.9, 1.0));
   MeshReport report = report_of(mesh, "leave out --open");
   if (command.open) report.warnings.clear();  // as was asked for
   report.volume_ml = surface.volume_ml;
   report.area_cm2 = surface.surface_area_mm2() / 100.0;
+  if (auto unused = unused_outlines_warning(structure, division.sweeps)) {
+    surface.warnings.insert(surface.warnings.begin(), std::move(*unused));
+  }
   add_warnings(surface.warnings, mesh, file, report);
   return {std::move(report), std::move(surface)};
 }
