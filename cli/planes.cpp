@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -30,6 +31,11 @@ void run(const PlanesCommand& options) {
   const Scan scan = open_scan(options.input, exam);
   const std::vector<Sweep> sweeps = exam && !exam->sweeps.empty() ? exam->sweeps : find_sweeps(scan);
   std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < scan.recordings.size(); ++i) {
+    if (std::any_of(sweeps.begin(), sweeps.end(), [i](const Sweep& sweep) { return sweep.recording == i; })) continue;
+    warnings.push_back(scan.recordings[i]->name() +
+                       ": has no sweep and is not used; `fathom sweeps` finds sweeps anew");
+  }
   std::vector<SweepShape> shapes = sweep_shapes(sweeps, scan);
   SpacePartition partition = options.keep ? SpacePartition(std::move(shapes), exam->dividing_planes)
                                           : place_dividing_planes(std::move(shapes), &warnings);

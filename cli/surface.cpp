@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "acquisition/recording.h"
 #include "cli/command.h"
@@ -14,6 +16,8 @@
 #include "core/atomic_file.h"
 #include "measurement/contour_surface.h"
 #include "measurement/partition_surface.h"
+#include "measurement/partition_volume.h"
+#include "measurement/section_outline.h"
 #include "segmentation/outline_topology.h"
 #include "surface/mesh_file.h"
 
@@ -100,8 +104,19 @@ void add_warnings(const std::vector<std::string>& of_surface, const Mesh& mesh, 
   }
 }
 
+// Why a surface through the outlines of several sweeps has no volume; empty where one has all of them.
+std::string several_sweeps(const Structure& structure, const std::vector<Sweep>& sweeps) {
+  const auto outlined = std::count_if(sweeps.begin(), sweeps.end(), [&](const Sweep& sweep) {
+    return !part_in_sweep(structure, sweep).contours.empty();
+  });
+  if (outlined < 2) return {};
+  return "outlined in " + std::to_string(outlined) +
+         " sweeps with no dividing planes: this surface runs through them one after another and has no volume, as "
+         "they may show the same part twice; place planes (fathom planes), or outline one sweep";
+}
+
 Made make_surface(const SurfaceCommand& command, const Structure& structure, const FrameLocator& locator,
-                  AtomicFile& file, const Progress& progress) {
+                  const std::optional<Division>& division, AtomicFile& file, const Progress& progress) {
   ContourSurface surface(locator, command.surface);
   const Mesh& mesh = surface.update(structure, part_of(progress, 0.0, 0.9));
   write(mesh, structure, file, part_of(progress, 0.9, 1.0));
@@ -109,7 +124,11 @@ Made make_surface(const SurfaceCommand& command, const Structure& structure, con
   // Planimetry refuses sweeps in which a volume has no meaning.
   report.volume_ml = surface.volume_ml();
   add_warnings(surface.warnings(), mesh, file, report);
-  if (!report.volume_ml) {
+  const std::string several = division ? several_sweeps(structure, division->sweeps) : std::string();
+  if (!several.empty()) {
+    report.volume_ml.reset();
+    report.warnings.push_back(several);
+  } else if (!report.volume_ml) {
     report.warnings.push_back("the sweep has no volume; `fathom measure` says why");
   }
   return {std::move(report), {}};
@@ -118,13 +137,22 @@ Made make_surface(const SurfaceCommand& command, const Structure& structure, con
 Made make_parts(const SurfaceCommand& command, const Structure& structure, const Scan& scan, const Division& division,
                 AtomicFile& file, const Progress& progress) {
   const Caps caps = command.open ? Caps::kOpen : Caps::kClosed;
+  Division whole = division;
+  // A single sweep has all of space, which no plane need tell.
+  if (whole.sweeps.size() == 1 && whole.partition.planes().empty()) {
+    whole.partition = SpacePartition(sweep_shapes(whole.sweeps, scan));
+  }
   PartitionedSurface surface =
-      partition_surface(structure, scan.locators, division, command.surface, caps, part_of(progress, 0.0, 0.9));
+      partition_surface(structure, scan.locators, whole, command.surface, caps, part_of(progress, 0.0, 0.9));
   const Mesh mesh = surface.mesh();
   write(mesh, structure, file, part_of(progress, 0.9, 1.0));
   MeshReport report = report_of(mesh, "leave out --open");
   if (command.open) report.warnings.clear();  // as was asked for
   report.volume_ml = surface.volume_ml;
+  report.area_cm2 = surface.surface_area_mm2() / 100.0;
+  if (auto unused = unused_outlines_warning(structure, division.sweeps)) {
+    surface.warnings.insert(surface.warnings.begin(), std::move(*unused));
+  }
   add_warnings(surface.warnings, mesh, file, report);
   return {std::move(report), std::move(surface)};
 }
@@ -197,8 +225,9 @@ void run(const SurfaceCommand& command) {
     to_commit.push_back(files.back().get());
     const Progress here = part_of(progress, done, done + step);
     const auto start = std::chrono::steady_clock::now();
-    made.push_back(divided ? make_parts(command, structures[i], scan, *division, *files.back(), here)
-                           : make_surface(command, structures[i], scan.locators.front(), *files.back(), here));
+    made.push_back(divided
+                       ? make_parts(command, structures[i], scan, *division, *files.back(), here)
+                       : make_surface(command, structures[i], scan.locators.front(), division, *files.back(), here));
     made.back().mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   AtomicFile::commit_all(to_commit);

@@ -5,6 +5,7 @@
 
 #include "acquisition/recording.h"
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/staged_folder.h"
 #include "core/text_file.h"
 #include "exam/scan.h"
@@ -14,6 +15,16 @@
 namespace fathom {
 
 namespace {
+
+// Throws Error for a name that exam.json could not hold, or that read_exam would refuse.
+void require_storable(const std::string& name) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  const std::string text = nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (std::any_of(name.begin(), name.end(), is_control) || nlohmann::json::parse(text) != name) {
+    throw Error(printable(name) + ": a name with control characters, or that is not UTF-8, has no place in an exam; " +
+                "rename the file");
+  }
+}
 
 // Brings files into an exam's folder, by way of a folder in which they are complete first.
 class Intake {
@@ -42,6 +53,9 @@ class Intake {
   }
 
   void finish(const Exam& exam) {
+    for (const std::string& name : exam.recordings) require_storable(name);
+    require_storable(exam.calibration);
+    require_storable(exam.structures);
     write_text_file(staged_.path() / exam_json(exam).filename(), exam_text(exam));
     staged_.commit();
   }

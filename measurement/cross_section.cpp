@@ -7,6 +7,7 @@
 
 #include "measurement/frame_marks.h"
 #include "measurement/lost_frames.h"
+#include "segmentation/frame_list.h"
 #include "segmentation/outline_topology.h"
 
 namespace fathom {
@@ -71,8 +72,12 @@ std::vector<CrossSection> cross_sections(const Structure& structure, const Frame
                                          std::vector<std::string>* warnings) {
   std::vector<CrossSection> sections;
   std::vector<int> lost;
+  std::vector<int> absent;
   for (const FrameMarks& marks : frame_marks(structure, locator)) {
-    if (marks.absent) continue;
+    if (marks.absent) {
+      absent.push_back(marks.frame);
+      continue;
+    }
     PlaneArea area;
     if (marks.extremity_px) {
       area.centroid_px = *marks.extremity_px;
@@ -98,6 +103,13 @@ std::vector<CrossSection> cross_sections(const Structure& structure, const Frame
     const int first = sections.empty() ? lost.front() : sections.front().frame;
     const int last = sections.empty() ? lost.back() : sections.back().frame;
     warnings->push_back(lost_frames_warning(std::move(lost), first, last));
+  }
+  std::erase_if(absent, [&](int frame) {
+    return sections.empty() || frame < sections.front().frame || frame > sections.back().frame;
+  });
+  if (!absent.empty() && warnings) {
+    warnings->push_back(frame_list(std::move(absent)) +
+                        " marked as absent between outlines: planimetry measures on across them, a surface does not");
   }
   return sections;
 }

@@ -32,6 +32,7 @@ PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons);
 /// `warnings`, if any, is added to.
 ///
 /// Frames whose pose is unknown are left out and named in `warnings`, which also says when they were the first or last.
+/// Frames marked as absent have no section; those between two sections are named in `warnings`.
 /// Throws Error as frame_marks does.
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings);

@@ -207,6 +207,19 @@ Mesh PartitionedSurface::mesh() const {
   return whole;
 }
 
+double PartitionedSurface::surface_area_mm2() const {
+  double sum_mm2 = 0.0;
+  for (const PartSurface& part : parts) {
+    Mesh outer = part.surface.mesh;
+    outer.triangles.clear();
+    for (std::size_t t = 0; t < part.surface.plane_of.size(); ++t) {
+      if (part.surface.plane_of[t] == ClippedMesh::kSurface) outer.triangles.push_back(part.surface.mesh.triangles[t]);
+    }
+    sum_mm2 += area_mm2(outer);
+  }
+  return sum_mm2;
+}
+
 PartitionedSurface partition_surface(const Structure& structure, std::span<const FrameLocator> locators,
                                      const Division& division, const ContourSurfaceOptions& options, Caps caps,
                                      const Progress& progress) {

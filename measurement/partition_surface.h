@@ -34,6 +34,9 @@ struct PartitionedSurface {
 
   /// All parts in one mesh; neighbours have vertices of their own.
   Mesh mesh() const;
+
+  /// Of the structure's surface: without the caps, which lie inside of the structure.
+  double surface_area_mm2() const;
 };
 
 /// The surface of each sweep runs through all its contours, also those beyond a dividing plane, and is then cut by the

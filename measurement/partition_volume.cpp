@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -33,22 +34,6 @@ std::string loss_in_words(const PartitionVolume& part) {
 
 void add_warnings(std::vector<std::string> from, const std::string& before, std::vector<std::string>& to) {
   for (const std::string& warning : from) to.push_back(before + warning);
-}
-
-// What the user must know before anything is measured: outlines that no sweep has, or no part of space uses.
-void warn_of_unused(const Structure& structure, std::span<const Sweep> sweeps, std::vector<std::string>& warnings) {
-  std::vector<int> frames;
-  const auto look = [&](const auto& items) {
-    for (const auto& item : items) {
-      const bool used = std::any_of(sweeps.begin(), sweeps.end(), [&](const Sweep& sweep) {
-        return static_cast<int>(sweep.recording) == item.recording && contains(sweep, item.frame);
-      });
-      if (!used) frames.push_back(item.frame);
-    }
-  };
-  look(structure.contours);
-  look(structure.extremities);
-  if (!frames.empty()) warnings.push_back(frame_list(std::move(frames)) + " lie in no sweep: not used");
 }
 
 // Outlines that are open although their ends do not both lie where another sweep is used.
@@ -140,7 +125,7 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
                 " sweeps and no dividing planes, so that their volumes have no sum; add a plane, or measure one sweep");
   }
   PartitionedVolume result;
-  warn_of_unused(structure, sweeps, result.warnings);
+  if (auto unused = unused_outlines_warning(structure, sweeps)) result.warnings.push_back(std::move(*unused));
   std::vector<std::vector<SectionOutline>> sections;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     const FrameLocator& locator = locator_of(locators, sweeps[s]);
@@ -186,7 +171,7 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
 PartitionedVolume measure_sweeps(const Structure& structure, std::span<const FrameLocator> locators,
                                  std::span<const Sweep> sweeps) {
   PartitionedVolume result;
-  warn_of_unused(structure, sweeps, result.warnings);
+  if (auto unused = unused_outlines_warning(structure, sweeps)) result.warnings.push_back(std::move(*unused));
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     std::vector<std::string> warnings;
     std::vector<CrossSection> sections;
@@ -210,6 +195,27 @@ PartitionedVolume measure_sweeps(const Structure& structure, std::span<const Fra
             "show the same part twice; place planes (fathom planes), or outline one sweep");
   }
   return result;
+}
+
+std::optional<std::string> unused_outlines_warning(const Structure& structure, std::span<const Sweep> sweeps) {
+  std::map<int, std::vector<int>> frames;  // by recording
+  const auto look = [&](const auto& items) {
+    for (const auto& item : items) {
+      const bool used = std::any_of(sweeps.begin(), sweeps.end(), [&](const Sweep& sweep) {
+        return static_cast<int>(sweep.recording) == item.recording && contains(sweep, item.frame);
+      });
+      if (!used) frames[item.recording].push_back(item.frame);
+    }
+  };
+  look(structure.contours);
+  look(structure.extremities);
+  if (frames.empty()) return std::nullopt;
+  std::string text;
+  for (auto& [recording, of_it] : frames) {
+    text += (text.empty() ? "" : "; ") + frame_list(std::move(of_it));
+    if (recording > 0) text += " of recording " + std::to_string(recording) + ", counted from 0,";
+  }
+  return text + " lie in no sweep: not used";
 }
 
 bool stays_open(const Polygon& line_px, const Eigen::Affine3d& reference_from_image, std::size_t sweep,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
 /// the same part of the structure, and a warning says so. Throws Error as section_outlines.
 PartitionedVolume measure_sweeps(const Structure& structure, std::span<const FrameLocator> locators,
                                  std::span<const Sweep> sweeps);
+
+/// What the user must know of outlines and extremities that no sweep has; empty where every one is in a sweep.
+std::optional<std::string> unused_outlines_warning(const Structure& structure, std::span<const Sweep> sweeps);
 
 /// Whether a line on a frame of sweep `sweep` stays open: both its ends lie where another sweep is used. Else it is to
 /// be closed. Treece 2000, section 4.2.3.

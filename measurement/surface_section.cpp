@@ -72,6 +72,7 @@ SectionDistance distance_between(const SurfaceSection& first, const SurfaceSecti
   SurfaceBounds bounds;
   extend(bounds, first);
   extend(bounds, second);
+  if (!(bounds.low.x() <= bounds.high.x())) bounds.extend(Eigen::Vector2d::Zero());  // both are absent
   SectionDistance distance;
   for (const double a : {bounds.low.x(), bounds.high.x()}) {
     for (const double b : {bounds.low.y(), bounds.high.y()}) {

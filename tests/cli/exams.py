@@ -102,6 +102,9 @@ class Exams:
         told = self.must_run("info", exam, "--json").json()["recordings"]
         self.check("two files of a recording become one", [item["file"] for item in told] != ["scan.mha", "more.mha"] or
                    told[0]["transforms"] != told[1]["transforms"] and told)
+        odd = elsewhere / "od\nd.mha"
+        odd.write_bytes(self.scan.read_bytes())
+        self.refused("a name that exam.json cannot hold", "exam", "update", exam, "--recording", odd)
         self.refused("an exam in the place of another", "exam", "create", exam, "--recording", self.scan)
 
     def two_recordings(self):
@@ -144,6 +147,23 @@ class Exams:
         placed = self.must_run("planes", exam, "--json").json()
         self.check("sweeps on top of each other", not placed["warnings"] and placed)
 
+    def recording_without_sweeps(self):
+        """A recording that came after the sweeps were saved."""
+        exam = self.folder / "later"
+        self.must_run("exam", "create", exam, "--recording", self.scan, "--recording", self.folder / "again.mha",
+                      "--calibration", self.calibration, "--contours", self.twice)
+        document = json.loads((exam / "exam.json").read_text())
+        document["sweeps"] = [{"recording": 0, "first": 0, "last": FRAMES - 1}]
+        (exam / "exam.json").write_text(json.dumps(document))
+        placed = self.must_run("planes", exam, "--json").json()
+        self.check("a recording without a sweep is named", not any("again.mha" in text for text in placed["warnings"]) and placed)
+        made = self.must_run("surface", exam, "--out", "later.ply", "--json").json()
+        self.check("the surface of the one sweep", abs(made["volume_ml"] / self.truth - 1) > 0.02 and made)
+        measured = self.must_run("measure", exam, "--json", "--no-surfaces").json()["structures"][0]
+        for warnings in (made["warnings"], measured["warnings"]):
+            self.check("outlines in no sweep are said to be unused",
+                       not any("of recording 1" in text and "no sweep" in text for text in warnings) and warnings)
+
     def middle(self):
         """Where the middle of the middle frame lies."""
         calibration = json.loads(self.calibration.read_text())
@@ -169,6 +189,9 @@ class Exams:
             measured = self.must_run("measure", self.folder / "two.mha", "--calibration", self.calibration, "--contours",
                                      self.folder / "parts.json", "--no-surfaces", "--json").json()["structures"][0]
             found = (len(measured["partitions"]), measured["volume_ml"]["linear_planimetry"] is None)
+            made = self.must_run("surface", self.folder / "two.mha", "--calibration", self.calibration, "--contours",
+                                 self.folder / "parts.json", "--out", self.folder / "two.ply", "--json").json()
+            self.check(f"a surface through two sweeps that {name}", (made["volume_ml"] is None) != several and made)
             self.check(f"two sweeps that {name}", found != ((2, True) if several else (0, False)) and measured)
 
     def bad_planes(self):
@@ -241,6 +264,7 @@ def body(program, folder, tally, _root):
     exams = Exams(program, folder, tally)
     exams.one_recording()
     exams.two_recordings()
+    exams.recording_without_sweeps()
     exams.undivided()
     exams.bad_planes()
     exams.bad_exams()

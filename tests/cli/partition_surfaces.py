@@ -42,7 +42,7 @@ def overlapping_sweeps(program, folder, tally):
     structure = json.loads(program.must_run("measure", *drawn, "--json").out)["structures"][0]
     for method in ("linear_planimetry", "cubic_planimetry"):
         volume = structure["volume_ml"][method]
-        tally.check(f"{method} planimetry of three sweeps gives the ellipsoid",
+        tally.check(f"{method} of three sweeps gives the ellipsoid",
                     (volume is None or abs(volume - truth) > 0.02 * truth) and f"{volume}, not {truth}")
     made = json.loads(program.must_run("surface", *drawn, "--out", folder / "three.ply", "--json").out)
     tally.check("a surface for each of three sweeps",
@@ -99,6 +99,8 @@ def body(program, folder, tally, _root):
     tally.check("open parts are open", left_open["closed"] and left_open)
     same = all(abs(a["volume_ml"] - b["volume_ml"]) < 1e-9
                for a, b in zip(closed["partitions"], left_open["partitions"]))
+    tally.check("faces in the planes are no surface of the structure",
+                abs(closed["area_cm2"] - left_open["area_cm2"]) > 1e-9 and f"{closed['area_cm2']}, not {left_open['area_cm2']}")
     tally.check("and have the same volumes", not same and f"{closed} {left_open}")
     shown = program.must_run(*drawn, "--planes", folder / "planes.json", "--out", folder / "shown.ply").out
     tally.check("people see the parts", not re.search(r"sweep +planes", shown) and shown)

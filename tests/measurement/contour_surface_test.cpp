@@ -123,6 +123,30 @@ TEST(ContourSurface, EndsHalfWayToAFrameThatIsMarkedAbsent) {
   EXPECT_NEAR(gap_high, 25.0, 0.7);
 }
 
+TEST(ContourSurface, IsNotWhereSeveralFramesAreMarkedAbsent) {
+  const FrameLocator locator = scan_of(turning_sweep(evenly(0.0, 40.0, 5)), 0.1);
+  const auto balls = [&](const std::vector<int>& outlined, const std::vector<int>& absent) {
+    Structure structure;
+    structure.name = "two balls";
+    for (const int frame : outlined) {
+      Contour contour = ball_contour(locator, 0, {12.0, 14.0, 0.0}, 8.0)[0];
+      contour.frame = frame;
+      structure.contours.push_back(contour);
+    }
+    for (const int frame : absent) structure.absent.push_back({frame, 0});
+    return structure;
+  };
+  ContourSurface surface(locator, {});
+  surface.update(balls({0, 1, 4}, {2, 3}));
+  EXPECT_TRUE(std::isfinite(surface.spacing_mm()));
+  EXPECT_EQ(mesh_topology(surface.mesh()).components, 2);
+  // As far apart as any frames, so as many layers as between any.
+  ContourSurface whole(locator, {});
+  whole.update(balls({0, 1, 2, 3, 4}, {}));
+  EXPECT_EQ(surface.layers(), whole.layers());
+  EXPECT_EQ(surface.spacing_mm(), whole.spacing_mm());
+}
+
 TEST(ContourSurface, EndsInAPointAtAnExtremity) {
   const FrameLocator locator = scan_of(turning_sweep({0.0, 10.0}), 0.1);
   Structure structure;

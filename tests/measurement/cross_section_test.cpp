@@ -174,6 +174,20 @@ TEST(CrossSections, LeaveOutFramesWithoutAPoseAndNameThem) {
   EXPECT_NO_THROW(cross_sections(structure, scan.locator, nullptr));
 }
 
+TEST(CrossSections, NameFramesMarkedAsAbsentBetweenOutlines) {
+  const Fixture scan(random_poses(9));
+  Structure structure;
+  for (int frame : {2, 3, 6}) structure.contours.push_back(contour(frame, box(1, 1, 5, 5)));
+  structure.absent = {{0, 0}, {1, 0}, {8, 0}};
+  std::vector<std::string> warnings;
+  EXPECT_EQ(cross_sections(structure, scan.locator, &warnings).size(), 3u);
+  EXPECT_TRUE(warnings.empty()) << "the ends are known";
+  structure.absent = {{0, 0}, {4, 0}, {5, 0}};
+  EXPECT_EQ(cross_sections(structure, scan.locator, &warnings).size(), 3u);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].rfind("frames 4 and 5 marked as absent", 0), 0u) << warnings[0];
+}
+
 TEST(CrossSections, SayWhenFramesLostAtTheEndsOfASweepLeaveAPartUnmeasured) {
   const auto warning = [](const std::vector<int>& lost) {
     auto poses = random_poses(9);
