@@ -150,8 +150,10 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
     }
     const PartitionLoss loss =
         estimate_loss(sections[sweep], clipped, absent_frames(structure, sweeps[sweep]), partition, region);
-    PartitionVolume part{region,      sweep,           measure_planimetry(inside, {loss.first_cut, loss.last_cut}),
+    const std::vector<CrossSection> all = with_absences(sections[sweep], clipped, partition, region);
+    PartitionVolume part{region,      sweep,           measure_planimetry(all, {loss.first_cut, loss.last_cut}),
                          loss.gap_mm, loss.missing_ml, {}};
+    part.measurement.sections = static_cast<int>(inside.size());
     part.loss = loss_in_words(part);
     if (!part.loss.empty()) result.warnings.push_back(part.loss);
     add_warnings(part.measurement.warnings, sweep_name(sweep) + ": ", result.warnings);

@@ -1,6 +1,7 @@
 #include "measurement/section_outline.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "measurement/frame_marks.h"
@@ -66,6 +67,30 @@ CrossSection clip_section(const SectionOutline& section, const SpacePartition& p
   return part;
 }
 
+std::vector<std::size_t> present_indices(std::span<const SectionOutline> sections,
+                                         std::span<const CrossSection> clipped, const SpacePartition& partition,
+                                         std::size_t region) {
+  std::vector<std::size_t> present;
+  for (std::size_t i = 0; i < clipped.size(); ++i) {
+    const bool is_extremity = sections[i].outlines.empty();
+    if (is_extremity ? touches_region(clipped[i], partition, region) : clipped[i].vector_area_mm2.norm() > 0.0) {
+      present.push_back(i);
+    }
+  }
+  return present;
+}
+
+// Where the way from one centroid to the other crosses the plane of `section`, or half-way where it does not.
+CrossSection empty_between(const CrossSection& section, const CrossSection& before, const CrossSection& after) {
+  const Eigen::Vector3d way_mm = after.centroid_mm - before.centroid_mm;
+  const double along = section.normal.dot(way_mm);
+  const double share = section.normal.dot(section.centroid_mm - before.centroid_mm) / along;
+  CrossSection empty = section;
+  empty.vector_area_mm2.setZero();
+  empty.centroid_mm = before.centroid_mm + (share >= 0.0 && share <= 1.0 ? share : 0.5) * way_mm;
+  return empty;
+}
+
 }  // namespace
 
 Structure part_in_sweep(const Structure& structure, const Sweep& sweep) {
@@ -126,11 +151,20 @@ std::vector<CrossSection> clip_each(std::span<const SectionOutline> sections, co
 std::vector<CrossSection> present_in(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
                                      const SpacePartition& partition, std::size_t region) {
   std::vector<CrossSection> inside;
-  for (std::size_t i = 0; i < clipped.size(); ++i) {
-    const bool is_extremity = sections[i].outlines.empty();
-    if (is_extremity ? touches_region(clipped[i], partition, region) : clipped[i].vector_area_mm2.norm() > 0.0) {
-      inside.push_back(clipped[i]);
+  for (const std::size_t i : present_indices(sections, clipped, partition, region)) inside.push_back(clipped[i]);
+  return inside;
+}
+
+std::vector<CrossSection> with_absences(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
+                                        const SpacePartition& partition, std::size_t region) {
+  std::vector<CrossSection> inside;
+  std::optional<std::size_t> before;
+  for (const std::size_t i : present_indices(sections, clipped, partition, region)) {
+    for (std::size_t absent = before ? *before + 1 : i; absent < i; ++absent) {
+      inside.push_back(empty_between(sections[absent].whole, clipped[*before], clipped[i]));
     }
+    inside.push_back(clipped[i]);
+    before = i;
   }
   return inside;
 }

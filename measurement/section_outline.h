@@ -35,6 +35,11 @@ std::vector<CrossSection> clip_each(std::span<const SectionOutline> sections, co
 std::vector<CrossSection> present_in(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
                                      const SpacePartition& partition, std::size_t region);
 
+/// The same, and sections without an area for those that are not in the region though sections before and after them
+/// are: there the structure left the region and came back.
+std::vector<CrossSection> with_absences(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
+                                        const SpacePartition& partition, std::size_t region);
+
 /// What lies in one region of a partition. A section without a part in the region is left out.
 std::vector<CrossSection> clip_sections(std::span<const SectionOutline> sections, const SpacePartition& partition,
                                         std::size_t region);

@@ -56,31 +56,38 @@ std::size_t sweeps_in(const std::string& pattern) {
   return 1;
 }
 
-/// The sections in every region of the partition.
-std::vector<std::vector<CrossSection>> sections_by_region(const DividedScan& divided) {
+/// The sections in a region of the partition.
+struct RegionSections {
+  std::vector<CrossSection> present;
+  std::vector<CrossSection> measured;  ///< with those between them that the structure is absent from
+};
+
+std::vector<RegionSections> sections_by_region(const DividedScan& divided) {
   const SpacePartition& partition = divided.division.partition;
-  std::vector<std::vector<CrossSection>> regions(partition.region_count());
+  std::vector<RegionSections> regions(partition.region_count());
   for (const SpacePartition::Cell& cell : partition.cells()) {
-    if (!cell.sweep || !regions[cell.region].empty()) continue;
+    if (!cell.sweep || !regions[cell.region].present.empty()) continue;
     const Sweep& sweep = divided.division.sweeps[*cell.sweep];
     const auto sections = section_outlines(divided.scan.outlines.front(), divided.locator, sweep);
-    regions[cell.region] = clip_sections(sections, partition, cell.region);
+    const auto clipped = clip_each(sections, partition, cell.region);
+    regions[cell.region] = {present_in(sections, clipped, partition, cell.region),
+                            with_absences(sections, clipped, partition, cell.region)};
   }
   return regions;
 }
 
-int used_sections(const std::vector<std::vector<CrossSection>>& regions) {
+int used_sections(const std::vector<RegionSections>& regions) {
   std::set<int> frames;
-  for (const auto& sections : regions) {
-    for (const CrossSection& section : sections) frames.insert(section.frame);
+  for (const RegionSections& region : regions) {
+    for (const CrossSection& section : region.present) frames.insert(section.frame);
   }
   return static_cast<int>(frames.size());
 }
 
-double continued_ml(const std::vector<std::vector<CrossSection>>& regions) {
+double continued_ml(const std::vector<RegionSections>& regions) {
   double sum_ml = 0.0;
-  for (const auto& sections : regions) {
-    if (measure_planimetry(sections).volumes.cubic_ml) sum_ml += cubic_planimetry_ml(sections, SplineEnd::kContinue);
+  for (const auto& [present, measured] : regions) {
+    if (measure_planimetry(measured).volumes.cubic_ml) sum_ml += cubic_planimetry_ml(measured, SplineEnd::kContinue);
   }
   return sum_ml;
 }

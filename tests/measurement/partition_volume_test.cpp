@@ -82,6 +82,34 @@ TEST(PartitionVolume, AreasAndMomentsOfThePartsAddUpToTheWhole) {
   }
 }
 
+TEST(PartitionVolume, WhatLeavesARegionAndComesBackIsNotBridged) {
+  // Rectangles of 3 mm on parallel planes 2 mm apart, which reach across the dividing plane but for two in the middle
+  // and, on the other side, one: linear planimetry is a weighted sum of areas, so that its parts add up exactly.
+  std::vector<SectionOutline> sections;
+  for (const double shift_mm : {0.0, 0.5, -8.0, -9.0, 0.3, 0.6, 9.0, 0.8, 0.1}) {
+    const double z_mm = 2.0 * static_cast<double>(sections.size());
+    const Polygon3 outline = {
+        {shift_mm - 4, 0, z_mm}, {shift_mm + 4, 0, z_mm}, {shift_mm + 4, 3, z_mm}, {shift_mm - 4, 3, z_mm}};
+    SectionOutline section;
+    section.whole.frame = static_cast<int>(sections.size());
+    section.whole.vector_area_mm2 = vector_area(outline);
+    section.whole.centroid_mm = {shift_mm, 1.5, z_mm};
+    section.outlines = {outline};
+    sections.push_back(section);
+  }
+  std::vector<CrossSection> wholes;
+  for (const SectionOutline& section : sections) wholes.push_back(section.whole);
+  const SpacePartition partition({one_centre({-50, 0, 0}), one_centre({50, 0, 0})},
+                                 {DividingPlane(Eigen::Vector3d::UnitX(), 0.0)});
+  double sum_ml = 0.0;
+  for (const std::size_t region : {0u, 1u}) {
+    const auto all = with_absences(sections, clip_each(sections, partition, region), partition, region);
+    EXPECT_EQ(all.size(), sections.size());
+    sum_ml += linear_planimetry_ml(all);
+  }
+  EXPECT_NEAR(sum_ml, linear_planimetry_ml(wholes), 1e-12);
+}
+
 TEST(StaysOpen, OnlyWithBothEndsInAHatchedRegion) {
   const SpacePartition partition({one_centre({-50, 0, 0}), one_centre({50, 0, 0})},
                                  {DividingPlane(Eigen::Vector3d::UnitX(), 0.0)});
