@@ -43,7 +43,7 @@ void run(const PlanesCommand& options) {
     const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
     const double length = normal.norm();
     if (!(length > 0.0)) throw Error("--add: the normal has no length; give a direction and an offset in mm");
-    partition.add(DividingPlane(normal / length, -plane[3]));
+    partition.add(DividingPlane(normal / length, -plane[3] / length));
   }
   for (std::size_t i = 0; i < partition.planes().size(); ++i) {
     if (!partition.separates(i)) warnings.push_back("plane " + std::to_string(i + 1) + " separates no sweeps");
@@ -51,8 +51,7 @@ void run(const PlanesCommand& options) {
   const std::string text = planes_json({sweeps, partition.planes()});
   if (!options.out.empty()) write_text_file(options.out, text);
   if (options.save) {
-    exam->sweeps = sweeps;
-    exam->dividing_planes = partition.planes();
+    set_division(*exam, sweeps, partition.planes());
     write_exam(*exam);
   }
   if (options.json) {

@@ -31,7 +31,7 @@ void run(const SweepsCommand& options) {
   if (!placed) find.follow_px = Eigen::Vector2d::Zero();
   const std::vector<Sweep> sweeps = find_sweeps(scan, find);
   if (options.save) {
-    exam->sweeps = sweeps;
+    set_division(*exam, sweeps, exam->dividing_planes);
     write_exam(*exam);
   }
   if (options.json) {

@@ -1,9 +1,11 @@
 #include "core/staged_folder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "core/error.h"
 
@@ -29,7 +31,7 @@ StagedFolder::~StagedFolder() {
   std::filesystem::remove_all(staging_, ignored);
 }
 
-void StagedFolder::commit() {
+void StagedFolder::commit(const std::filesystem::path& last) {
   try {
     std::filesystem::create_directories(target_);
     for (const auto& entry : std::filesystem::directory_iterator(staging_)) {
@@ -38,9 +40,10 @@ void StagedFolder::commit() {
         throw Error(place.string() + ": is not a regular file; move it away or choose another folder");
       }
     }
-    for (const auto& entry : std::filesystem::directory_iterator(staging_)) {
-      std::filesystem::rename(entry.path(), target_ / entry.path().filename());
-    }
+    std::vector<std::filesystem::path> names;
+    for (const auto& entry : std::filesystem::directory_iterator(staging_)) names.push_back(entry.path().filename());
+    std::stable_partition(names.begin(), names.end(), [&last](const auto& name) { return name != last; });
+    for (const auto& name : names) std::filesystem::rename(staging_ / name, target_ / name);
   } catch (const std::filesystem::filesystem_error& error) {
     throw Error(target_.string() + ": cannot be written to: " + error.code().message() +
                 "; choose a folder you may write to");

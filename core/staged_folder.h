@@ -18,8 +18,9 @@ class StagedFolder {
   /// Where to write the files.
   const std::filesystem::path& path() const { return staging_; }
 
-  /// Throws Error when the target cannot be made or written to.
-  void commit();
+  /// The file `last`, where it is one of them, is moved after all others, as it names them. Throws Error when the
+  /// target cannot be made or written to.
+  void commit(const std::filesystem::path& last = {});
 
  private:
   std::filesystem::path target_;

@@ -151,6 +151,16 @@ std::string exam_text(const Exam& exam) {
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+void set_division(Exam& exam, std::vector<Sweep> sweeps, std::vector<DividingPlane> planes) {
+  const auto same_plane = [](const DividingPlane& a, const DividingPlane& b) { return a.coeffs() == b.coeffs(); };
+  const bool same =
+      std::equal(sweeps.begin(), sweeps.end(), exam.sweeps.begin(), exam.sweeps.end()) &&
+      std::equal(planes.begin(), planes.end(), exam.dividing_planes.begin(), exam.dividing_planes.end(), same_plane);
+  if (!same) exam.results = nullptr;
+  exam.sweeps = std::move(sweeps);
+  exam.dividing_planes = std::move(planes);
+}
+
 void write_exam(const Exam& exam) { write_text_file(exam_json(exam), exam_text(exam)); }
 
 }  // namespace fathom

@@ -41,6 +41,9 @@ Exam read_exam(const std::filesystem::path& path);
 /// The path of a file that an exam names. Throws Error, naming exam.json, when it is missing or outside the folder.
 std::filesystem::path file_of(const Exam& exam, const std::string& name);
 
+/// Sets sweeps and planes. Where they change, the results are dropped: they were measured with others.
+void set_division(Exam& exam, std::vector<Sweep> sweeps, std::vector<DividingPlane> planes);
+
 /// The text of exam.json, keys in alphabetical order. Keys of `document` that are not Fathom's are kept, as are the
 /// members of sweeps and planes that did not change.
 std::string exam_text(const Exam& exam);

@@ -57,7 +57,7 @@ class Intake {
     require_storable(exam.calibration);
     require_storable(exam.structures);
     write_text_file(staged_.path() / exam_json(exam).filename(), exam_text(exam));
-    staged_.commit();
+    staged_.commit(exam_json(exam).filename());
   }
 
  private:
@@ -138,6 +138,8 @@ Exam put_in(Exam exam, const ExamParts& parts, const Progress& progress) {
   }
   if (!parts.calibration.empty()) exam.calibration = intake.document(parts.calibration);
   if (!parts.contours.empty()) exam.structures = intake.document(parts.contours);
+  // What was measured was measured of other inputs.
+  if (!parts.recordings.empty() || !parts.calibration.empty() || !parts.contours.empty()) exam.results = nullptr;
   take(parts.patient, exam.patient);
   take(parts.operator_name, exam.operator_name);
   take(parts.date, exam.date);

@@ -90,6 +90,7 @@ class Exams:
         stored = json.loads((exam / "exam.json").read_text())
         self.check("an update keeps the rest", (stored["notes"], stored["patient"], stored["structures"]) != (
             "empty bladder", "P-1", "seg.json") and stored)
+        self.check("results of other contours are dropped", stored.get("results") and stored)
         elsewhere = self.folder / "elsewhere"
         elsewhere.mkdir()
         (elsewhere / "seg.json").write_text((self.folder / "scan.contours.json").read_text())

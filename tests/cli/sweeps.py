@@ -58,6 +58,8 @@ def sweeps_and_planes(program, folder, tally):
     tally.check("the normal has length 1", abs(length - 1) > 1e-9 and planes)
     stored = json.loads((folder / "planes.json").read_text())
     tally.check("the file holds the same planes", stored["dividing_planes"] != planes["dividing_planes"] and stored)
+    added = json.loads(program.must_run("planes", two, *calibration, "--json", "--add", "0,0,2,10").out)
+    tally.check("a normal of length 2: z = 5", added["dividing_planes"][-1] != {"normal": [0, 0, 1], "offset_mm": 5} and added)
     none_needed = json.loads(program.must_run("planes", whole, *calibration, "--json").out)
     tally.check("one sweep needs no plane", none_needed["dividing_planes"] != [] and none_needed)
 
