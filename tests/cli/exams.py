@@ -175,6 +175,19 @@ class Exams:
         probe = [m[4 * i] * x + m[4 * i + 1] * y + m[4 * i + 3] for i in range(3)]
         return [sum(p[4 * i + j] * probe[j] for j in range(3)) + p[4 * i + 3] for i in range(3)]
 
+    def overlapping(self):
+        """Two sweeps whose second begins a little behind the end of the first."""
+        scan = self.folder / "overlap.mha"
+        self.must_run("simulate", "--object", "sphere", "--pattern", "sweeps-a", "--frames", 46, "--out", scan)
+        outlines = json.loads((self.folder / "overlap.contours.json").read_text())
+        for contour in outlines["structures"][0]["contours"]:
+            contour["closed"] = True
+        (self.folder / "closed.json").write_text(json.dumps(outlines))
+        measured = self.must_run("measure", scan, "--calibration", self.folder / "overlap.calibration.json", "--contours",
+                                 self.folder / "closed.json", "--no-surfaces", "--json").json()["structures"][0]
+        self.check("sweeps that overlap have no sum", (
+            measured["volume_ml"]["cubic_planimetry"] is not None or len(measured["partitions"]) != 2) and measured)
+
     def undivided(self):
         """One recording, no planes: two sweeps that carry on are measured as one, two that see the same part are not."""
         content = statuses(self.scan.read_bytes(), range(13, 18))
@@ -265,6 +278,7 @@ def body(program, folder, tally, _root):
     exams = Exams(program, folder, tally)
     exams.one_recording()
     exams.two_recordings()
+    exams.overlapping()
     exams.recording_without_sweeps()
     exams.undivided()
     exams.bad_planes()
