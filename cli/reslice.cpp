@@ -204,8 +204,10 @@ void run(const ResliceCommand& command) {
   if (covered == 0.0) {
     const cv::Rect image(0, 0, recording->header().width, recording->header().height);
     const Eigen::AlignedBox3d box = box_around(frames, image.tl(), image.br() - cv::Point(1, 1));
-    warnings.push_back("the picture shows nothing, as it lies outside of the B-scans, which reach from " +
-                       place_text(box.min()) + " to " + place_text(box.max()) + " mm");
+    const std::string why = used.partition ? "it lies in other sweeps' parts of space or outside of the B-scans"
+                                           : "it lies outside of the B-scans";
+    warnings.push_back("the picture shows nothing, as " + why + ", which reach from " + place_text(box.min()) + " to " +
+                       place_text(box.max()) + " mm");
   }
   if (command.json) {
     nlohmann::ordered_json json{

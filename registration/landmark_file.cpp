@@ -25,10 +25,14 @@ constexpr double kFarthestMm = 1e6;
 }
 
 std::vector<std::string_view> cells_of(std::string_view line) {
-  constexpr std::string_view kSeparators = ",;\t";
+  // One kind a line: beside semicolons a comma is a decimal one, and "12,5;0;0" must not be a place named 12.
+  constexpr std::string_view kSeparators = ";\t,";
+  const auto used = std::find_if(kSeparators.begin(), kSeparators.end(),
+                                 [line](char c) { return line.find(c) != std::string_view::npos; });
+  const char separator = used != kSeparators.end() ? *used : ',';
   std::vector<std::string_view> cells;
   while (true) {
-    const std::size_t end = line.find_first_of(kSeparators);
+    const std::size_t end = line.find(separator);
     cells.push_back(trimmed(line.substr(0, end)));
     if (end == std::string_view::npos) return cells;
     line.remove_prefix(end + 1);

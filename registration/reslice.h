@@ -74,7 +74,8 @@ class Reslicer {
 
   /// With `partition`, which has the same sweeps, every pixel is taken from the sweep of its part of space; without,
   /// from the sweep whose frames are closest about it. The same bytes for any number of threads. Frames are read in
-  /// their order, each once, those that are needed. Throws Error as the checks of its arguments and Recording::image;
+  /// their order, those that are needed, once for every 16 layers of a slab. Throws Error as the checks of its
+  /// arguments and Recording::image;
   /// Cancelled.
   Resliced reslice(const ResliceSurface& surface, const ResliceOptions& options = {},
                    const SpacePartition* partition = nullptr, const Progress& progress = {}) const;

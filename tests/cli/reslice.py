@@ -148,6 +148,16 @@ def sweeps_and_planes(program, scan, tally):
         covered[name] = said["covered"] * said["width"] * said["height"]
     tally.check("two sweeps show what each shows", abs(covered["first"] + covered["second"] - covered["both"]) > 1 and covered)
     tally.check("planes between sweeps change nothing apart", abs(covered["planes"] - covered["both"]) > 1 and covered)
+    # A plane with both sweeps on one side leaves that side to one of them.
+    stored = json.loads(planes.read_text())
+    stored["dividing_planes"] = [{"normal": [1, 0, 0], "offset_mm": 1e5}]
+    beside = scan.folder / "beside.json"
+    beside.write_text(json.dumps(stored))
+    sides = [program.must_run("reslice", two, *calibration, "--planes", beside, "--through-frame", frame, "--json", "--out",
+                              scan.folder / "side.png").json() for frame in (10, 30)]
+    hidden = [said for said in sides if said["covered"] == 0]
+    tally.check("a sweep is hidden in another's part of space", len(hidden) != 1 and sides)
+    tally.check("and a warning says so", "other sweeps' parts" not in str(hidden) and hidden)
     said = program.must_run("reslice", scan.path, *calibration, *across).json()
     whole = said["covered"] * said["width"] * said["height"]
     left = covered["both"] / whole  # without the way from the frame before the gap to the one after

@@ -34,9 +34,10 @@ TEST(LandmarkFile, ReadsNamesHeadingsAndOtherSeparators) {
 }
 
 TEST(LandmarkFile, RefusesWhatIsNoListOfLandmarks) {
-  for (const std::string text : {"", "# nothing\n", "name,x,y,z\n", "1,2\n", "A,1,2,3,4\n", "A,1,2,nan\n",
-                                 "A,1,2,inf\n", "A,1,2,1e7\n", "A,1,2,x\n", "A,1,2,3\nA,4,5,6\n", "A,1,2,3\n4,5,6\n",
-                                 ",1,2,3\n", "1,2,3\nx,y,z\n", "A,1,2,\n", "\x01,1,2,3\n"}) {
+  for (const std::string text :
+       {"", "# nothing\n", "name,x,y,z\n", "1,2\n", "A,1,2,3,4\n", "A,1,2,nan\n", "A,1,2,inf\n", "A,1,2,1e7\n",
+        "A,1,2,x\n", "A,1,2,3\nA,4,5,6\n", "A,1,2,3\n4,5,6\n", ",1,2,3\n", "1,2,3\nx,y,z\n", "A,1,2,\n", "\x01,1,2,3\n",
+        "12,5;0;0\n", "1;2\t3;4\n"}) {
     EXPECT_THROW(read(text), Error) << text;
   }
   std::string many;
