@@ -39,6 +39,12 @@ std::vector<StructureResult> measure(const MeasureCommand& command, const std::o
 void run(const MeasureCommand& command) {
   auto exam = read_if_exam(command.input.recording);
   if (command.save) require_exam_to_save(exam);
+  const ScanInput& input = command.input;
+  if (command.save && !(input.calibration.empty() && input.contours.empty() && input.planes.empty())) {
+    throw CLI::ValidationError("--save",
+                               "keeps what is measured with the exam's own files; put them in by `fathom exam "
+                               "update`, or leave out --calibration, --contours and --planes");
+  }
   const std::vector<StructureResult> results = measure(command, exam);
   const nlohmann::ordered_json json = results_json(results);
   if (command.save) {

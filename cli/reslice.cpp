@@ -74,20 +74,9 @@ struct UsedSweeps {
   std::optional<SpacePartition> partition;
 };
 
-// The planes that are asked for: those typed, else the exam's.
-PlanesFile asked_planes(const ResliceCommand& command, const std::optional<Exam>& exam) {
-  PlanesFile planes;
-  if (exam) planes = {exam->sweeps, exam->dividing_planes};
-  if (command.input.planes.empty()) return planes;
-  PlanesFile typed = read_planes(command.input.planes);
-  if (!typed.sweeps.empty()) planes.sweeps = std::move(typed.sweeps);
-  planes.planes = std::move(typed.planes);
-  return planes;
-}
-
 UsedSweeps used_sweeps(const ResliceCommand& command, const std::optional<Exam>& exam, const Recording& recording,
                        const FrameLocator& locator) {
-  PlanesFile planes = asked_planes(command, exam);
+  PlanesFile planes = asked_planes(command.input, exam);
   UsedSweeps used;
   used.sweeps = planes.sweeps.empty() ? find_sweeps(recording, locator) : std::move(planes.sweeps);
   if (command.sweep) {

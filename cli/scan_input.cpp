@@ -4,7 +4,6 @@
 #include <set>
 
 #include "core/error.h"
-#include "registration/dividing_planes.h"
 
 namespace fathom {
 
@@ -119,16 +118,20 @@ Scan open_scan(const ScanInput& input, const std::optional<Exam>& exam) {
   return exam ? open_scan(*exam, calibration, input.names) : open_scan(input.recording, calibration, input.names);
 }
 
+PlanesFile asked_planes(const ScanInput& input, const std::optional<Exam>& exam) {
+  PlanesFile planes;
+  if (exam) planes = {exam->sweeps, exam->dividing_planes};
+  if (input.planes.empty()) return planes;
+  PlanesFile typed = read_planes(input.planes);
+  if (!typed.sweeps.empty()) planes.sweeps = std::move(typed.sweeps);
+  planes.planes = std::move(typed.planes);
+  return planes;
+}
+
 std::optional<Division> division_of(const ScanInput& input, const std::optional<Exam>& exam, const Scan& scan,
                                     const std::vector<Structure>& structures) {
-  PlanesFile file;
-  if (exam) file = {exam->sweeps, exam->dividing_planes};
-  if (!input.planes.empty()) {
-    PlanesFile typed = read_planes(input.planes);
-    require_sweeps(typed.sweeps, scan, input.planes);
-    if (!typed.sweeps.empty()) file.sweeps = std::move(typed.sweeps);
-    file.planes = std::move(typed.planes);
-  }
+  PlanesFile file = asked_planes(input, exam);
+  if (!input.planes.empty()) require_sweeps(file.sweeps, scan, input.planes);
   const bool stated = !file.sweeps.empty() || !file.planes.empty() || scan.recordings.size() > 1;
   if (file.sweeps.empty() && stated) file.sweeps = find_sweeps(scan);
   if (!stated) {

@@ -11,6 +11,7 @@
 #include "exam/exam.h"
 #include "exam/results.h"
 #include "exam/scan.h"
+#include "registration/dividing_planes.h"
 #include "registration/pose_chain.h"
 
 namespace fathom {
@@ -43,6 +44,10 @@ std::string contours_file(const ScanInput& input, const std::optional<Exam>& exa
 
 /// All recordings, placed by the calibration.
 Scan open_scan(const ScanInput& input, const std::optional<Exam>& exam);
+
+/// The sweeps and planes that are asked for: those of `--planes`, where it names them, else the exam's. Empty where
+/// there are none. Throws Error as read_planes.
+PlanesFile asked_planes(const ScanInput& input, const std::optional<Exam>& exam);
 
 /// The sweeps and planes to measure with: those of `--planes`, else of the exam, else the sweeps that are found where
 /// the scan cannot be taken as one. Empty where it can.

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "registration/way_out.h"
+
 namespace fathom {
 
 namespace {
 
 constexpr double kMm3PerMl = 1000.0;
-constexpr double kParallel = 1e-3;     // cosine: a section that stands on the plane never reaches it
 constexpr double kUncut = 1.0 - 1e-6;  // share of a section's area: what is more is the whole
 
 double area_mm2(const CrossSection& section) { return section.vector_area_mm2.norm(); }
@@ -20,13 +21,8 @@ double way_to_end_mm(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& way,
   double reach_mm = 0.0;
   for (const SpacePartition::Cell& cell : partition.cells()) {
     if (cell.region != region) continue;
-    double leave_mm = farthest_mm;
-    for (const DividingPlane& plane : partition.bounds(cell)) {
-      const double slope = plane.normal().dot(way);
-      if (slope > -kParallel) continue;
-      leave_mm = std::min(leave_mm, plane.signedDistance(from_mm) / -slope);
-    }
-    reach_mm = std::max(reach_mm, leave_mm);
+    const auto out = way_out(from_mm, way, partition.bounds(cell));
+    reach_mm = std::max(reach_mm, out ? std::min(out->way_mm, farthest_mm) : farthest_mm);
   }
   return reach_mm;
 }

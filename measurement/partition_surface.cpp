@@ -179,7 +179,8 @@ std::vector<std::optional<ContourSurface>> sweep_surfaces(const Structure& struc
     surfaces[i]->update(marked, part_of(progress, done, done + 1.0 / count));
     for (const std::string& warning : surfaces[i]->warnings())
       warnings.push_back(numbered("sweep", i) + ": " + warning);
-    for (const ShortEnd& end : short_ends(cross_sections(marked, locator, nullptr), i, division.partition)) {
+    for (const ShortEnd& end :
+         short_ends(cross_sections(marked, locator, nullptr), marked.absent, i, division.partition)) {
       warnings.push_back(warning_of(end, i));
     }
   }

@@ -7,37 +7,30 @@
 #include <utility>
 
 #include "registration/convex_parts.h"
+#include "registration/way_out.h"
 
 namespace fathom {
 
 namespace {
 
 constexpr double kMm3PerMl = 1000.0;
-constexpr double kLarge = 0.1;      // of the largest section: a structure does not end there
-constexpr double kParallel = 1e-3;  // cosine: a section that stands on the plane never reaches it
+constexpr double kLarge = 0.1;  // of the largest section: a structure does not end there
 
-struct Hit {
-  std::size_t plane = 0;
-  double way_mm = 0.0;
-};
+bool holds(const ConvexPart& part, const Eigen::Vector3d& point) {
+  return std::all_of(part.bounds.begin(), part.bounds.end(),
+                     [&point](const DividingPlane& bound) { return bound.signedDistance(point) >= 0.0; });
+}
 
-// Where the way from a point leaves the part of space that it is in.
-std::optional<Hit> first_plane(const Eigen::Vector3d& from, const Eigen::Vector3d& way, const ConvexPart& part) {
-  std::optional<Hit> first;
-  for (std::size_t i = 0; i < part.bounds.size(); ++i) {
-    const double distance_mm = part.bounds[i].signedDistance(from);
-    const double slope = part.bounds[i].normal().dot(way);
-    if (distance_mm < 0.0) return {};
-    if (slope > -kParallel) continue;
-    if (!first || distance_mm / -slope < first->way_mm) first = Hit{part.planes[i], distance_mm / -slope};
-  }
-  return first;
+// Whether a mark lies beyond frame `end`, seen from frame `next`.
+bool is_marked_beyond(std::span<const AbsentMark> absent, int end, int next) {
+  return std::any_of(absent.begin(), absent.end(),
+                     [&](const AbsentMark& mark) { return next > end ? mark.frame < end : mark.frame > end; });
 }
 
 }  // namespace
 
-std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std::size_t sweep,
-                                 const SpacePartition& partition) {
+std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std::span<const AbsentMark> absent,
+                                 std::size_t sweep, const SpacePartition& partition) {
   std::vector<ShortEnd> ends;
   if (sections.size() < 2) return ends;
   double largest = 0.0;
@@ -45,15 +38,15 @@ std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std:
   for (const auto& [end, next] :
        {std::pair(&sections.front(), &sections[1]), std::pair(&sections.back(), &sections[sections.size() - 2])}) {
     const double area_mm2 = end->vector_area_mm2.norm();
-    if (area_mm2 < kLarge * largest) continue;
+    if (area_mm2 < kLarge * largest || is_marked_beyond(absent, end->frame, next->frame)) continue;
     Eigen::Vector3d away = end->normal;
     if (away.dot(next->centroid_mm - end->centroid_mm) > 0.0) away = -away;
     for (const ConvexPart& part : convex_parts(partition)) {
-      if (part.sweep != sweep) continue;
-      const auto hit = first_plane(end->centroid_mm, away, part);
-      if (!hit) continue;
-      ends.push_back({end->frame, hit->plane, area_mm2, hit->way_mm, {}});
-      if (hit->way_mm <= std::sqrt(area_mm2)) ends.back().missing_ml = hit->way_mm * area_mm2 / kMm3PerMl;
+      if (part.sweep != sweep || !holds(part, end->centroid_mm)) continue;
+      const auto out = way_out(end->centroid_mm, away, part.bounds);
+      if (!out) continue;
+      ends.push_back({end->frame, part.planes[out->bound], area_mm2, out->way_mm, {}});
+      if (out->way_mm <= std::sqrt(area_mm2)) ends.back().missing_ml = out->way_mm * area_mm2 / kMm3PerMl;
       break;
     }
   }

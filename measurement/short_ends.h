@@ -1,11 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "measurement/cross_section.h"
 #include "registration/partition.h"
+#include "segmentation/contours.h"
 
 namespace fathom {
 
@@ -20,9 +22,10 @@ struct ShortEnd {
   std::optional<double> missing_ml;
 };
 
-/// `sections` are those of sweep `sweep`, in their order: its first and last are looked at.
-std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std::size_t sweep,
-                                 const SpacePartition& partition);
+/// `sections` are those of sweep `sweep`, in their order: its first and last are looked at, unless the structure is
+/// marked `absent` beyond them.
+std::vector<ShortEnd> short_ends(const std::vector<CrossSection>& sections, std::span<const AbsentMark> absent,
+                                 std::size_t sweep, const SpacePartition& partition);
 
 std::string warning_of(const ShortEnd& end, std::size_t sweep);
 

@@ -1,7 +1,8 @@
 #include "registration/point_calibration.h"
 
-#include "registration/calibration_start.h"
-#include "registration/usable_sweep.h"
+#include <utility>
+
+#include "registration/unknown_phantom.h"
 
 namespace fathom {
 
@@ -28,18 +29,10 @@ std::vector<SpatialObservation> point_observations(const std::vector<SpotPoint>&
 
 SpatialFit calibrate_with_point(const ProbePoses& poses, const std::vector<SpotPoint>& points,
                                 const SpatialOptions& options) {
-  options.check();
-  const auto observations = point_observations(points);
-  require_usable_sweep(poses, observations, options);
   StartSearch search;
   search.phantom_from_reference = {Eigen::Matrix3d::Identity()};  // a point looks the same from all sides
-  search.latencies_s = latencies_to_try(poses, options);
   search.trials = 100;
-  search.seed = options.seed;
-  SpatialFit fit =
-      calibrate_spatial(poses, observations, starts_with_unknown_phantom(poses, observations, search), options);
-  require_agreement(poses, fit, options);
-  return fit;
+  return calibrate_with_unknown_phantom(poses, point_observations(points), std::move(search), options);
 }
 
 TargetErrors point_errors(const ProbePoses& poses, const std::vector<SpotPoint>& points, const SpatialState& state) {

@@ -1,7 +1,8 @@
 #include "registration/wall_calibration.h"
 
-#include "registration/calibration_start.h"
-#include "registration/usable_sweep.h"
+#include <utility>
+
+#include "registration/unknown_phantom.h"
 
 namespace fathom {
 
@@ -30,18 +31,10 @@ std::vector<SpatialObservation> wall_observations(const std::vector<WallLine>& l
 
 SpatialFit calibrate_with_wall(const ProbePoses& poses, const std::vector<WallLine>& lines,
                                const SpatialOptions& options) {
-  options.check();
-  const auto observations = wall_observations(lines);
-  require_usable_sweep(poses, observations, options);
   StartSearch search;
   search.phantom_from_reference = plane_turns();
-  search.latencies_s = latencies_to_try(poses, options);
   search.trials = 4;  // neighbouring directions make up for few
-  search.seed = options.seed;
-  SpatialFit fit =
-      calibrate_spatial(poses, observations, starts_with_unknown_phantom(poses, observations, search), options);
-  require_agreement(poses, fit, options);
-  return fit;
+  return calibrate_with_unknown_phantom(poses, wall_observations(lines), std::move(search), options);
 }
 
 TargetErrors wall_errors(const ProbePoses& poses, const std::vector<WallLine>& lines, const SpatialState& state) {

@@ -8,3 +8,8 @@ namespace fathom {
 std::filesystem::path real_recordings();
 
 }  // namespace fathom
+
+/// The first statement of a test that needs the recordings.
+#define FATHOM_NEEDS_REAL_RECORDINGS()                       \
+  if (!std::filesystem::exists(::fathom::real_recordings())) \
+  GTEST_SKIP() << "not checked: the recordings of data/plus are not beside the project"

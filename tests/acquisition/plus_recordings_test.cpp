@@ -27,9 +27,7 @@ void PrintTo(const Facts& facts, std::ostream* stream) { *stream << facts.file; 
 
 class PlusRecordings : public testing::TestWithParam<Facts> {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(kFolder)) GTEST_SKIP() << "the recordings of data/plus are not on this machine";
-  }
+  void SetUp() override { FATHOM_NEEDS_REAL_RECORDINGS(); }
 };
 
 unsigned long adler_of_pixels(const Recording& recording) {

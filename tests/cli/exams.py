@@ -246,6 +246,8 @@ class Exams:
         self.check("a recording without a calibration is a wrong command line", outcome.status != 2 and f"{outcome}")
         outcome = self.program.run("measure", self.scan, *drawn, "--save", cwd=self.folder)
         self.check("nothing to save to is a wrong command line", outcome.status != 2 and f"{outcome}")
+        outcome = self.program.run("measure", self.folder / "exam", "--contours", self.folder / "scan.contours.json", "--save")
+        self.check("results of other files are not saved", (outcome.status != 2 or "own files" not in outcome.err) and f"{outcome}")
 
     def bad_exams(self):
         frames = {"recording": 0, "first": 0, "last": FRAMES}

@@ -13,6 +13,7 @@
 #include "measurement/planimetry.h"
 #include "registration/calibration.h"
 #include "segmentation/threshold_recording.h"
+#include "tests/error_sums.h"
 #include "tests/real_recordings.h"
 
 // Linear and curved surfaces through few of a real sweep's outlines, against the volume of all of them.
@@ -72,20 +73,6 @@ Structure thinned(const Structure& structure, const std::vector<int>& frames, st
   return result;
 }
 
-struct Errors {
-  double sum = 0.0;
-  double square = 0.0;
-  int count = 0;
-
-  void add(double error) {
-    sum += error;
-    square += error * error;
-    ++count;
-  }
-  double mean() const { return sum / count; }
-  double rms() const { return std::sqrt(square / count); }
-};
-
 double surface_ml(const FrameLocator& locator, const Structure& structure, GapOrder order, double spacing_mm) {
   ContourSurfaceOptions options;
   options.order = order;
@@ -96,7 +83,7 @@ double surface_ml(const FrameLocator& locator, const Structure& structure, GapOr
 }
 
 TEST(GapOrdersStudy, CurvedIsAsNearAsLinearToTheVolumeOfAllFramesOfRealSweeps) {
-  if (!std::filesystem::exists(real_recordings())) GTEST_SKIP() << "the real recordings are not here";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   std::printf("| structure | every | scans | linear: mean, rms (%%) | curved: mean, rms (%%) |\n");
   for (const RealStructure& real : real_structures()) {
     const auto recording = open_recording(real_recordings() / real.recording);
@@ -108,8 +95,8 @@ TEST(GapOrdersStudy, CurvedIsAsNearAsLinearToTheVolumeOfAllFramesOfRealSweeps) {
     }
     const std::vector<int> frames(outlined.begin(), outlined.end());
     for (const std::size_t every : real.every) {
-      Errors linear;
-      Errors curved;
+      ErrorSums linear;
+      ErrorSums curved;
       for (std::size_t offset = 0; offset < every; offset += every / 2) {
         const Structure few = thinned(whole, frames, offset, every, false);
         const Structure all = thinned(whole, frames, offset, every, true);

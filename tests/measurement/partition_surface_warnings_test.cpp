@@ -161,6 +161,15 @@ TEST(PartitionSurfaceWarnings, OutlinesThatEndShortOfThePlaneAreSaidWithWhatIsMi
   std::snprintf(expected, sizeof expected, "sweep 2 end on frame 15, 3 mm short of dividing plane 1: about %.2g ml",
                 second_ml);
   EXPECT_NE(surface.warnings[1].find(expected), std::string::npos) << surface.warnings[1];
+
+  // Where the user looked beyond the first sweep's outlines and saw nothing, nothing is missing.
+  Structure marked = ball(locator, Eigen::Vector3d::Zero(), kRadius);
+  std::erase_if(marked.contours, [](const Contour& contour) { return contour.frame == 14; });
+  marked.absent.push_back({.frame = 14});
+  const auto ended = partition_surface(marked, {&locator, 1}, {sweeps, partition}, spaced(0.5));
+  EXPECT_TRUE(std::none_of(ended.warnings.begin(), ended.warnings.end(), [](const std::string& warning) {
+    return warning.find("sweep 1 end on frame") != std::string::npos;
+  }));
 }
 
 TEST(PartitionSurfaceWarnings, SeveralSweepsWithoutPlanesAreRefused) {

@@ -18,7 +18,7 @@ namespace {
 // says 16.86 ml; with this calibration the sections are 1.2 % larger.
 TEST(WirePrism, InARealSweepMeasures1706Millilitres) {
   const std::filesystem::path data = real_recordings();
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "the real recordings are not here";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const auto recording = open_recording(data / "fCal_Test_Calibration_3NWires_fCal2.0.igs.mha");
   const Calibration calibration = read_calibration(data / "FreehandCalibration3NWires_fCal2.0.results.xml");
   const auto structures = read_contours(data / "fCal2_wire_prism.contours.json");

@@ -82,7 +82,7 @@ TEST_F(CalibrationFile, PlusTransformIsFoundInBothOfItsSections) {
 
 TEST_F(CalibrationFile, RealPlusResultIsReadAsItsTextSays) {
   const std::filesystem::path data = real_recordings();
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "the real recordings are not beside the project";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const Calibration read = read_calibration(data / "FreehandCalibration3NWires_fCal2.0.results.xml");
   EXPECT_EQ(read.probe_from_image.translation(), Eigen::Vector3d(11.2137, 48.4162, -0.398993));
   EXPECT_EQ(read.probe_from_image.linear().col(0), Eigen::Vector3d(-0.000519165, -0.0803067, 0.00181709));

@@ -294,7 +294,7 @@ TEST(FillHoles, BridgesGapsByTheShortestLineAndNothingElse) {
 
 TEST(SpineSweep, LiesOnTheGridOfPlus) {
   const std::filesystem::path folder = real_recordings();
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the recordings of data/plus are not on this machine";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const auto recording = open_recording(folder / "SpinePhantomFreehand.igs.mha");
   const FrameLocator locator(*recording,
                              read_calibration(folder / "PlusDeviceSet_SpinePhantomFreehandReconstructionOnly.xml"));

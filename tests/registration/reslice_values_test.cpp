@@ -119,7 +119,7 @@ TEST(Reslice, MeanOfASlabOfALinearFieldIsItsMiddleAndMaximumItsTop) {
 // A calibration whose image axes are not perpendicular, by 3 degrees: pixels are where the calibration says.
 TEST(SpineSweep, ComesBackInThePlaneOfEachOfItsFrames) {
   const std::filesystem::path folder = real_recordings();
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the recordings of data/plus are not on this machine";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const auto recording = open_recording(folder / "SpinePhantomFreehand.igs.mha");
   const FrameLocator locator(*recording,
                              read_calibration(folder / "PlusDeviceSet_SpinePhantomFreehandReconstructionOnly.xml"));

@@ -147,7 +147,7 @@ TEST(WireCalibration, AMirroredPhantomIsTold) {
 
 TEST(WireCalibration, RealSweepIsCalibratedBetterThanByPlus) {
   const std::filesystem::path data = real_recordings();
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "the real recordings are not beside the project";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const WirePhantom phantom = read_wire_phantom(data / "PlusDeviceSet_fCal_Sim_SpatialCalibration_2.0.xml");
   const auto poses_of = [&](const char* name) {
     const auto recording = open_recording(data / name);

@@ -244,7 +244,7 @@ std::map<std::tuple<int, std::size_t, std::size_t>, Eigen::Vector2d> plus_points
 }
 
 void expect_as_plus(const std::string& file, const std::string& section) {
-  if (!std::filesystem::exists(real_recordings() / file)) GTEST_SKIP() << "needs the PLUS recordings";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const auto recording = open_recording(real_recordings() / file);
   const WireDetection found = find_wires(*recording, three_ns());
   const int frames = recording->header().frame_count();

@@ -48,7 +48,7 @@ TEST_F(WirePhantomFile, ReadsBackAllThatWasWritten) {
 
 TEST_F(WirePhantomFile, RealPlusPhantomIsReadAsItsTextSays) {
   const std::filesystem::path data = real_recordings();
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "the real recordings are not beside the project";
+  FATHOM_NEEDS_REAL_RECORDINGS();
   const WirePhantom read = read_wire_phantom(data / "PlusDeviceSet_fCal_Sim_SpatialCalibration_2.0.xml");
   ASSERT_EQ(read.patterns.size(), 3u);
   EXPECT_EQ(read.name, "fCAL");

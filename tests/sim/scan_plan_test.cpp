@@ -10,17 +10,10 @@
 
 #include "core/error.h"
 #include "sim/studies/sweeps_study.h"
+#include "tests/sim/scan_options.h"
 
 namespace fathom {
 namespace {
-
-SimulateOptions options_of(const std::string& object, const std::string& pattern, int frames) {
-  SimulateOptions options;
-  options.object = object;
-  options.pattern = pattern;
-  options.frames = frames;
-  return options;
-}
 
 std::vector<std::string> names_of_table() {
   std::vector<std::string> names;

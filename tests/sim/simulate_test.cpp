@@ -12,17 +12,10 @@
 #include "measurement/planimetry.h"
 #include "sim/phantom.h"
 #include "sim/scan_path.h"
+#include "tests/sim/scan_options.h"
 
 namespace fathom {
 namespace {
-
-SimulateOptions options_of(const std::string& object, const std::string& pattern, int frames) {
-  SimulateOptions options;
-  options.object = object;
-  options.pattern = pattern;
-  options.frames = frames;
-  return options;
-}
 
 double measured_ml(const SimulatedScan& scan) {
   const FrameLocator locator(*scan.recording, scan.calibration);

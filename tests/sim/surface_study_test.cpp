@@ -15,6 +15,7 @@
 #include "measurement/planimetry.h"
 #include "sim/simulate.h"
 #include "sim/studies/rendering_study.h"
+#include "tests/error_sums.h"
 
 namespace fathom {
 namespace {
@@ -72,21 +73,6 @@ void scale_outlines(Structure& structure, double share, Random& random) {
   }
 }
 
-struct Errors {
-  double sum = 0.0;
-  double square = 0.0;
-  int count = 0;
-
-  void add(double error) {
-    sum += error;
-    square += error * error;
-    ++count;
-  }
-  double mean() const { return sum / count; }
-  double rms() const { return std::sqrt(square / count); }
-  double scatter() const { return std::sqrt(std::max(0.0, square / count - mean() * mean())); }
-};
-
 double surface_error_percent(const FrameLocator& locator, const Structure& structure, GapOrder order, double truth_ml) {
   ContourSurfaceOptions options;
   options.order = order;
@@ -96,11 +82,11 @@ double surface_error_percent(const FrameLocator& locator, const Structure& struc
   return 100.0 * (surface.volume_ml().value() / truth_ml - 1.0);
 }
 
-// Errors of volume over `seeds` disturbed scans, percent, by order; scans that planimetry refuses are left out.
+// ErrorSums of volume over `seeds` disturbed scans, percent, by order; scans that planimetry refuses are left out.
 // Outlines are disturbed by a number and by its negative, so that their own mean is none of the result.
-std::array<Errors, 2> disturbed_errors(const char* object, const char* pattern, int planes, const Disturbance& how,
-                                       int seeds) {
-  std::array<Errors, 2> errors;
+std::array<ErrorSums, 2> disturbed_errors(const char* object, const char* pattern, int planes, const Disturbance& how,
+                                          int seeds) {
+  std::array<ErrorSums, 2> errors;
   for (int seed = 1; seed <= seeds; ++seed) {
     SimulateOptions simulation;
     simulation.object = object;
