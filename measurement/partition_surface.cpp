@@ -226,11 +226,11 @@ PartitionedSurface partition_surface(const Structure& structure, std::span<const
                                      const Progress& progress) {
   const std::vector<Sweep>& sweeps = division.sweeps;
   const SpacePartition& partition = division.partition;
-  assert(sweeps.size() == partition.sweeps().size());
   if (sweeps.size() > 1 && partition.planes().empty()) {
     throw Error(locators.front().recording_name() + ": has " + std::to_string(sweeps.size()) +
                 " sweeps and no dividing planes, so that their surfaces overlap; add a plane");
   }
+  assert(sweeps.size() == partition.sweeps().size());
   PartitionedSurface result;
   const std::vector<ConvexPart> spaces = convex_parts(partition);
   std::vector<bool> used(sweeps.size(), false);
