@@ -13,6 +13,7 @@ namespace {
 
 struct MeasureCommand {
   ScanInput input;
+  MeasurementErrors errors;
   bool no_surfaces = false;
   bool save = false;
   bool json = false;
@@ -25,13 +26,16 @@ std::vector<StructureResult> measure(const MeasureCommand& command, const std::o
   // Whether outlines may be open depends on the planes, which depend on where outlines are.
   require_measurable(structures, frame_counts(scan), OpenContours::kAllow, file);
   require_simple_outlines(structures, file);
-  const MeasureOptions options{.surfaces = !command.no_surfaces};
+  MeasureOptions options{.surfaces = !command.no_surfaces, .confidence = {}};
+  command.errors.check();
   const bool may_divide = exam || !command.input.planes.empty();
   if (!may_divide) require_measurable(structures, frame_counts(scan), OpenContours::kRefuse, file);
   const auto division = division_of(command.input, exam, scan, structures);
   const bool divided = division && !division->partition.planes().empty();
   if (!divided) require_measurable(structures, frame_counts(scan), OpenContours::kRefuse, file);
   if (division) return measure_structures(structures, scan, *division, options, progress_bar("measuring"));
+  const std::string calibration = calibration_file(command.input, exam);
+  options.confidence = {read_calibration(calibration, command.input.names.probe), command.input.names, command.errors};
   return measure_structures(structures, *scan.recordings.front(), scan.locators.front(), options,
                             progress_bar("measuring"));
 }
@@ -69,6 +73,13 @@ void add_measure(CLI::App& app) {
   command->add_option("--planes", options->input.planes,
                       "Sweeps and dividing planes, as `fathom planes` writes them (default: the exam's)");
   add_frame_names(*command, options->input.names);
+  command->add_option("--outline-sd-mm", options->errors.outline_mm,
+                      "How far outlines are off by chance, standard deviation in mm, for the interval (default: judged "
+                      "from how unevenly the sections follow each other)");
+  command->add_option("--tracker-sd-mm", options->errors.tracker_mm,
+                      "Noise of the probe's position, root mean square in space in mm, for the interval");
+  command->add_option("--tracker-sd-deg", options->errors.tracker_deg,
+                      "Noise of its orientation, root mean square in space in degrees");
   command->add_flag("--no-surfaces", options->no_surfaces, "Planimetry only: at once, however many sections");
   command->add_flag("--save", options->save, "Write the results into the exam");
   command->add_flag("--json", options->json, "Print one JSON object");

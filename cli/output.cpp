@@ -11,6 +11,8 @@ namespace fathom {
 
 namespace {
 
+constexpr double kWorthAsking = 1e-3;  // of the volume: less is not worth a stroke
+
 volatile std::sig_atomic_t interrupted = 0;
 
 constexpr int kBarColumns = 40;
@@ -36,6 +38,18 @@ void print_partitions(const std::vector<StructureResult>& results) {
   if (rows.size() == 1) return;
   std::cout << "\n";
   print_table(rows);
+}
+
+// What the interval leaves open, and what would make it narrower.
+void print_confidence(const StructureResult& result) {
+  for (const MissingEnd& end : result.confidence.missing_ends) {
+    std::cout << result.name << ": " << warning_of(end) << "\n";
+  }
+  const auto& next = result.confidence.next;
+  const auto& interval = result.confidence.interval;
+  if (!next || !interval || next->gain_ml < kWorthAsking * interval->high_ml) return;
+  std::cout << result.name << ": outline frame " << next->frame << " next: the volume would be surer by about "
+            << number_text(next->gain_ml, 2) << " ml\n";
 }
 
 }  // namespace
@@ -70,18 +84,22 @@ std::string number_text(const std::optional<double>& value, int decimals) {
 }
 
 void print_results(const std::vector<StructureResult>& results) {
-  std::vector<std::vector<std::string>> rows{
-      {"structure", "sections", "linear (ml)", "cubic (ml)", "cubic 3D (ml)", "surface (ml)", "surface curved (ml)"}};
+  std::vector<std::vector<std::string>> rows{{"structure", "sections", "quadric (ml)", "95 % (ml)", "linear (ml)",
+                                              "cubic (ml)", "cubic 3D (ml)", "surface (ml)", "surface curved (ml)"}};
   for (const StructureResult& result : results) {
     const PlanimetryVolumes& volumes = result.measurement.volumes;
-    rows.push_back({result.name, std::to_string(result.measurement.sections), number_text(volumes.linear_ml, 2),
-                    number_text(volumes.cubic_ml, 2), number_text(volumes.cubic_3d_ml, 2),
-                    number_text(result.surfaces.disc_guided_ml, 2),
+    const auto& interval = result.confidence.interval;
+    const std::string range =
+        interval ? number_text(interval->low_ml, 2) + " to " + number_text(interval->high_ml, 2) : "-";
+    rows.push_back({result.name, std::to_string(result.measurement.sections), number_text(volumes.quadric_ml, 2), range,
+                    number_text(volumes.linear_ml, 2), number_text(volumes.cubic_ml, 2),
+                    number_text(volumes.cubic_3d_ml, 2), number_text(result.surfaces.disc_guided_ml, 2),
                     number_text(result.surfaces.disc_guided_curved_ml, 2)});
   }
   print_table(rows);
   print_partitions(results);
   for (const StructureResult& result : results) {
+    print_confidence(result);
     for (const std::string& warning : result.measurement.warnings) {
       std::cout << "warning: " << result.name << ": " << warning << "\n";
     }

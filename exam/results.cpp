@@ -25,6 +25,7 @@ nlohmann::ordered_json volumes_json(const PlanimetryVolumes& volumes, const Surf
   return {{"linear_planimetry", number_or_null(volumes.linear_ml)},
           {"cubic_planimetry", number_or_null(volumes.cubic_ml)},
           {"cubic_planimetry_3d", number_or_null(volumes.cubic_3d_ml)},
+          {"cubic_planimetry_quadric", number_or_null(volumes.quadric_ml)},
           {"shape_based", number_or_null(surfaces.shape_based_ml)},
           {"centroid_guided", number_or_null(surfaces.centroid_guided_ml)},
           {"disc_guided", number_or_null(surfaces.disc_guided_ml)},
@@ -99,6 +100,9 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
     const std::vector<CrossSection> sections = cross_sections(structure, locator, &warnings);
     result.measurement = measure_planimetry(sections);
     result.measurement.warnings.insert(result.measurement.warnings.begin(), warnings.begin(), warnings.end());
+    if (options.confidence) {
+      result.confidence = confidence(structure, sections, recording, locator, *options.confidence);
+    }
     if (options.surfaces && result.measurement.volumes.linear_ml) {
       const double step = 1.0 / static_cast<double>(structures.size());
       const double done = step * static_cast<double>(results.size());
@@ -163,7 +167,8 @@ nlohmann::ordered_json results_json(const std::vector<StructureResult>& results)
     item["name"] = result.name;
     item["sections"] = result.measurement.sections;
     item["volume_ml"] = volumes_json(result.measurement.volumes, result.surfaces);
-    item["volume_interval_ml"] = nullptr;
+    item["recommended"] = "cubic_planimetry_quadric";
+    add_confidence(result.confidence, item);
     item["partitions"] = nlohmann::ordered_json::array();
     for (const PartResult& part : result.partitions) item["partitions"].push_back(part_json(part));
     item["warnings"] = result.measurement.warnings;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/progress.h"
+#include "exam/confidence.h"
 #include "exam/scan.h"
 #include "exam/surface_volumes.h"
 #include "measurement/planimetry.h"
@@ -33,11 +34,14 @@ struct StructureResult {
   VolumeMeasurement measurement;  ///< with all warnings
   SurfaceVolumes surfaces;
   std::vector<PartResult> partitions;  ///< their sum is `measurement`; empty where the scan was taken as one sweep
+  Confidence confidence;               ///< of a scan that was taken as one sweep
   double seconds = 0.0;                ///< time that the measurement took
 };
 
 struct MeasureOptions {
   bool surfaces = true;  ///< also by surfaces, which takes some tenths of a second for each structure
+  /// Also how far the volumes can be trusted, where the scan is taken as one sweep.
+  std::optional<ConfidenceOptions> confidence;
 };
 
 /// Measures every structure by every method. `locator` is that of `recording`. Where planimetry has no volume the

@@ -43,6 +43,19 @@ Eigen::Vector2d mean_point(const std::vector<const Polygon*>& polygons) {
   return sum / static_cast<double>(count);
 }
 
+// Sets `along_mm` of sections whose poses are known: the way of one pixel.
+void measure_way(std::vector<CrossSection>& sections, const Eigen::Vector2d& pixel, const FrameLocator& locator) {
+  std::optional<Eigen::Vector3d> before;
+  double along_mm = 0.0;
+  for (CrossSection& section : sections) {
+    const Eigen::Vector3d here =
+        *locator.reference_from_image(section.frame) * Eigen::Vector3d(pixel.x(), pixel.y(), 0.0);
+    if (before) along_mm += (here - *before).norm();
+    section.along_mm = along_mm;
+    before = here;
+  }
+}
+
 }  // namespace
 
 PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons) {
@@ -71,6 +84,7 @@ PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons) {
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings) {
   std::vector<CrossSection> sections;
+  Eigen::Vector2d centroid_sum_px = Eigen::Vector2d::Zero();
   std::vector<int> lost;
   std::vector<int> absent;
   for (const FrameMarks& marks : frame_marks(structure, locator)) {
@@ -97,6 +111,10 @@ std::vector<CrossSection> cross_sections(const Structure& structure, const Frame
     section.vector_area_mm2 = area.area_px2 * pixel;
     section.centroid_mm = *reference_from_image * Eigen::Vector3d(area.centroid_px.x(), area.centroid_px.y(), 0.0);
     sections.push_back(section);
+    centroid_sum_px += area.centroid_px;
+  }
+  if (!sections.empty()) {
+    measure_way(sections, centroid_sum_px / static_cast<double>(sections.size()), locator);
   }
   if (!lost.empty() && warnings) {
     // Where no frame is left at all, none lies before the first.

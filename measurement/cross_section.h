@@ -18,6 +18,9 @@ struct CrossSection {
   Eigen::Vector3d vector_area_mm2 =
       Eigen::Vector3d::Zero();                            ///< along `normal`, holes subtracted; zero at an extremity
   Eigen::Vector3d centroid_mm = Eigen::Vector3d::Zero();  ///< in reference coordinates, weighted by area
+  /// How far the frame has come since the first section: the way of one pixel, the mean of the centroids. Does not
+  /// jump with the shape of the organ, as the way of the centroids does. 0 everywhere: not known.
+  double along_mm = 0.0;
 };
 
 /// Area in pixels squared, never negative, and centroid in pixels of polygons that combine by even-odd. They have no

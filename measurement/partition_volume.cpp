@@ -19,8 +19,9 @@ constexpr double kWorthSaying_ml = 0.005;
 constexpr double kNegligible = 0.01;  // of the sum: a corner of space with one section does not cost the volume
 constexpr int kLookAlong = 64;        // places along the line that closes an open outline
 
-constexpr std::array<std::optional<double> PlanimetryVolumes::*, 3> kMethods{
-    &PlanimetryVolumes::linear_ml, &PlanimetryVolumes::cubic_ml, &PlanimetryVolumes::cubic_3d_ml};
+constexpr std::array<std::optional<double> PlanimetryVolumes::*, 4> kMethods{
+    &PlanimetryVolumes::linear_ml, &PlanimetryVolumes::cubic_ml, &PlanimetryVolumes::cubic_3d_ml,
+    &PlanimetryVolumes::quadric_ml};
 
 std::string sweep_name(std::size_t sweep) { return "sweep " + std::to_string(sweep + 1); }
 

@@ -140,6 +140,12 @@ double cubic_3d_mm3(std::span<const CrossSection> sections, SplineEnd end) {
   return std::abs(swept_volume<3>(s, omega, end));
 }
 
+double quadric_mm3(std::span<const CrossSection> sections) {
+  double sum = 0.0;
+  for (const GapVolumes& gap : gap_volumes(sections)) sum += gap.quadric_mm3;
+  return std::abs(sum);
+}
+
 // One warning for each stretch on which the sweep goes back over what it has passed.
 std::vector<std::string> turns_back(std::span<const CrossSection> sections) {
   const double total = linear_mm3(sections);
@@ -207,6 +213,11 @@ double cubic_planimetry_3d_ml(std::span<const CrossSection> sections, SplineEnd 
   return cubic_3d_mm3(sections, end) / kMm3PerMl;
 }
 
+double quadric_planimetry_ml(std::span<const CrossSection> sections) {
+  require_volume(sections);
+  return quadric_mm3(sections) / kMm3PerMl;
+}
+
 VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections, const CutEnds& cut) {
   VolumeMeasurement measurement;
   measurement.sections = static_cast<int>(sections.size());
@@ -224,6 +235,7 @@ VolumeMeasurement measure_planimetry(std::span<const CrossSection> sections, con
   measurement.volumes.linear_ml = std::abs(linear_mm3(sections)) / kMm3PerMl;
   measurement.volumes.cubic_ml = cubic_mm3(sections, SplineEnd::kRepeat) / kMm3PerMl;
   measurement.volumes.cubic_3d_ml = cubic_3d_mm3(sections, SplineEnd::kRepeat) / kMm3PerMl;
+  measurement.volumes.quadric_ml = quadric_mm3(sections) / kMm3PerMl;
   if (sections.size() == 2) {
     measurement.warnings.push_back("only " + frames(sections.front(), sections.back()) +
                                    " are outlined: the volume is the trapezoid between them; outline more frames");

@@ -12,8 +12,9 @@ namespace fathom {
 /// Volumes by every method of planimetry; empty where a method has no answer. Millilitres, never negative.
 struct PlanimetryVolumes {
   std::optional<double> linear_ml;
-  std::optional<double> cubic_ml;  ///< in the 2D representation; the number to quote
+  std::optional<double> cubic_ml;  ///< in the 2D representation
   std::optional<double> cubic_3d_ml;
+  std::optional<double> quadric_ml;  ///< the number to quote: needs the fewest sections (docs/results.md)
 };
 
 /// The point that cubic planimetry makes up beyond each end of a sweep, where p2 is the end and p3, p4 lie inwards.
@@ -30,6 +31,20 @@ enum class SplineEnd {
 double linear_planimetry_ml(std::span<const CrossSection> sections);
 double cubic_planimetry_ml(std::span<const CrossSection> sections, SplineEnd end = SplineEnd::kRepeat);
 double cubic_planimetry_3d_ml(std::span<const CrossSection> sections, SplineEnd end = SplineEnd::kRepeat);
+
+/// Cubic planimetry for sections that are not evenly spaced: in space, with tangents from parabolas through three
+/// sections, over the way that the frames have come (CrossSection::along_mm), and the curvature kept at the ends
+/// (SplineEnd::kContinue). Evenly spaced it is cubic_planimetry_3d_ml with those ends; exact for quadrics cut by
+/// parallel planes at any spacing, from three sections on.
+double quadric_planimetry_ml(std::span<const CrossSection> sections);
+
+/// The volume between each two neighbours among the sections, in mm3 and signed, by linear planimetry (2.2) and by
+/// quadric planimetry; `sections` as above. What the two differ by is what the sections between them leave open.
+struct GapVolumes {
+  double linear_mm3 = 0.0;
+  double quadric_mm3 = 0.0;
+};
+std::vector<GapVolumes> gap_volumes(std::span<const CrossSection> sections);
 
 /// Whether the first and last planes face the object in the same sense, without which (2.1) has no meaning: they do
 /// not after half a turn about the object, nor in a sweep that ends where it began. `sections` are at least two, with

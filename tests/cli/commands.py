@@ -12,7 +12,8 @@ from recording_file import MetaImage
 
 COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
             "surface", "reslice", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo")
-METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "shape_based", "centroid_guided",
+METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "cubic_planimetry_quadric", "shape_based",
+           "centroid_guided",
            "disc_guided", "disc_guided_curved"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
 
@@ -108,8 +109,11 @@ def scan_to_volume(program, folder, tally):
 
     true_outlines = measured(outlines)
     tally.check("one structure", len(true_outlines) != 1 and f"{len(true_outlines)}")
-    tally.check("measure's keys", without({"name", "sections", "volume_ml", "volume_interval_ml", "partitions",
+    tally.check("measure's keys", without({"name", "sections", "volume_ml", "recommended", "volume_interval_ml",
+                                           "volume_interval_parts_ml", "where_next", "missing_ends", "partitions",
                                            "warnings", "seconds"}, true_outlines[0]))
+    low, high = true_outlines[0]["volume_interval_ml"]
+    tally.check("the interval holds the truth", not low <= made["volume_ml"] <= high and (low, high))
     tally.check("measure's methods", set(true_outlines[0]["volume_ml"]) ^ METHODS)
     for method in ("linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d"):
         tally.check(f"{method} of true outlines", off(true_outlines[0]["volume_ml"][method], made["volume_ml"], 0.001))

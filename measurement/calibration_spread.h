@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "acquisition/recording.h"
+#include "registration/calibration.h"
+#include "registration/pose_chain.h"
+#include "segmentation/contours.h"
+
+namespace fathom {
+
+/// The standard deviation, in millilitres, that the covariance of the calibration brings into quadric planimetry of a
+/// structure: the volume is measured again with every fitted parameter a little off, one after another. Empty where
+/// the calibration has no covariance or the structure has no volume. Parameters other than the image's pose, scales,
+/// skew and latency are passed over. Throws Error as FrameLocator and cross_sections.
+std::optional<double> calibration_spread_ml(const Structure& structure, const Recording& recording,
+                                            const Calibration& calibration, const FrameNames& names);
+
+}  // namespace fathom
