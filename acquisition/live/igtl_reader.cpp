@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <Eigen/LU>
+
 #include "acquisition/pixel_source.h"
 #include "acquisition/sequence_file.h"
 #include "core/error.h"
@@ -85,9 +87,10 @@ Division read_division(const IgtlHeader& header, BodyStream& body) {
   return division;
 }
 
-// Where the image lies, unless that is said by the identity: nobody has measured it then.
+// Where the image lies, unless that is said by the identity, or not at all: nobody has measured it then.
 void add_matrix(const Eigen::Matrix<double, 3, 4>& matrix, IgtlMessage& message) {
-  if (!matrix.allFinite() || matrix.leftCols<3>() == Eigen::Matrix3d::Identity()) return;
+  const Eigen::Matrix3d axes = matrix.leftCols<3>();
+  if (!matrix.allFinite() || axes.isIdentity(0.0) || axes.determinant() == 0.0) return;
   std::string text;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) text += format_real(matrix(row, column)) + " ";

@@ -9,7 +9,6 @@
 #include <igtl_header.h>
 #include <igtl_image.h>
 #include <igtl_transform.h>
-#include <igtl_util.h>
 
 #include "core/error.h"
 #include "core/printable.h"
@@ -137,12 +136,6 @@ IgtlImageHeader read_igtl_image_header(std::span<const std::byte, kIgtlImageHead
   // From left-posterior-superior.
   if (raw.coord == IGTL_IMAGE_COORD_LPS) header.matrix.topRows<2>() *= -1.0;
   return header;
-}
-
-std::uint64_t igtl_checksum(std::span<const std::byte> bytes, std::uint64_t so_far) {
-  // The library's function only reads.
-  auto* data = const_cast<unsigned char*>(reinterpret_cast<const unsigned char*>(bytes.data()));
-  return crc64(data, bytes.size(), so_far);
 }
 
 Eigen::Matrix4d read_igtl_matrix(std::span<const std::byte, 48> bytes) {
