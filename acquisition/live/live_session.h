@@ -45,7 +45,7 @@ struct SessionOptions {
   std::size_t max_waiting_bytes = 256u << 20;
   /// The transforms without which a frame's place is not known. Empty: those named "Probe..." and "Reference...", all
   /// where there is none of these.
-  std::vector<std::string> required_transforms;
+  std::vector<std::string> required_transforms = {};
 
   /// Throws Error, naming the option, when a value is out of range.
   void check() const;
