@@ -175,7 +175,8 @@ bool is_whole_line(std::string_view line) {
   if (line.size() <= kSealBytes) return false;
   const std::string_view seal = line.substr(line.size() - kSealBytes);
   const auto crc = parse_hex(seal.substr(kSeal.size(), 8));
-  return seal.starts_with(kSeal) && crc && *crc == crc32_of(0, line.data(), line.size() - kSealBytes);
+  return seal.starts_with(kSeal) && seal.ends_with("\"}") && crc &&
+         *crc == crc32_of(0, line.data(), line.size() - kSealBytes);
 }
 
 std::optional<SweepStart> parse_sweep_start(std::string_view line) {
