@@ -72,13 +72,6 @@ class JitterWindow {
   Corners turns_;
 };
 
-std::string sweep_of(const FrameHeader& frame) {
-  for (const auto& [name, value] : frame.fields) {
-    if (name == kSweepField) return value;
-  }
-  return {};
-}
-
 Corners corners_of(const Eigen::AlignedBox3d& box) {
   Corners corners;
   for (int i = 0; i < 8; ++i) corners.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i)));
@@ -233,12 +226,12 @@ void add_warnings(SweepVerdict& verdict, const VerdictOptions& options) {
   warn_if(verdict.valid_frames == 0, "no frame is valid: the tracker never saw the probe while its image was good");
   warn_if(verdict.gaps > 0, std::to_string(verdict.gaps) + " gaps between frames, the longest of " +
                                 text(verdict.longest_gap_s, 2) + " s");
-  warn_if(verdict.dropouts > 0 && verdict.valid_frames > 0,
-          "the probe was lost " + std::to_string(verdict.dropouts) + " times, for " +
-              text(verdict.longest_dropout_s, 2) + " s at the longest");
-  warn_if(verdict.too_fast > 0, "too fast: " + std::to_string(verdict.too_fast) + " steps between frames of more than " +
-                                    text(options.max_step_mm, 1) + " mm, the largest of " +
-                                    text(verdict.largest_step_mm.value_or(0.0), 1) + " mm");
+  warn_if(verdict.dropouts > 0 && verdict.valid_frames > 0, "the probe was lost " + std::to_string(verdict.dropouts) +
+                                                                " times, for " + text(verdict.longest_dropout_s, 2) +
+                                                                " s at the longest");
+  warn_if(verdict.too_fast > 0, "too fast: " + std::to_string(verdict.too_fast) +
+                                    " steps between frames of more than " + text(options.max_step_mm, 1) +
+                                    " mm, the largest of " + text(verdict.largest_step_mm.value_or(0.0), 1) + " mm");
   const bool jitters = verdict.jitter && (verdict.jitter->position_mm > options.max_jitter_mm ||
                                           verdict.jitter->angle_deg > options.max_jitter_deg);
   warn_if(jitters, "the tracker is unsteady: " + text(verdict.jitter ? verdict.jitter->position_mm : 0.0, 2) +
@@ -293,8 +286,9 @@ SweepVerdict judge_sweep(const Recording& recording, const Calibration* calibrat
   const bool fits = calibration != nullptr &&
                     (!calibration->image_size || *calibration->image_size == cv::Size(header.width, header.height));
   if (!default_pose_chain(recording, names)) {
-    verdict.warnings.push_back("no transforms lead from the probe to the reference; --probe-frame and --reference-frame "
-                               "choose others");
+    verdict.warnings.push_back(
+        "no transforms lead from the probe to the reference; --probe-frame and --reference-frame "
+        "choose others");
     return verdict;
   }
   FrameNames chosen = names;
@@ -303,8 +297,8 @@ SweepVerdict judge_sweep(const Recording& recording, const Calibration* calibrat
     if (!chosen.reference) chosen.reference = calibration->reference_frame;
   }
   verdict = Judge(recording, fits ? calibration : nullptr, chosen, options).run();
-  const std::vector<TrackerSample> of_frames = samples.empty() ? samples_of_frames(recording, names)
-                                                               : std::vector<TrackerSample>();
+  const std::vector<TrackerSample> of_frames =
+      samples.empty() ? samples_of_frames(recording, names) : std::vector<TrackerSample>();
   verdict.jitter = tracker_jitter(samples.empty() ? std::span<const TrackerSample>(of_frames) : samples);
   if (calibration != nullptr && !fits) {
     verdict.warnings.push_back("the calibration is for images of another size and was not used");

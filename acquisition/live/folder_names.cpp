@@ -34,6 +34,13 @@ bool is_usable(std::string_view name) {
 
 }  // namespace
 
+std::string_view sweep_of(const FrameHeader& frame) {
+  for (const auto& [name, value] : frame.fields) {
+    if (name == kSweepField) return value;
+  }
+  return {};
+}
+
 std::string plain_status(const std::string& status) {
   if (status.empty() || status == "OK") return status;
   std::string plain(trimmed(std::string_view(status).substr(0, kLongestName)));

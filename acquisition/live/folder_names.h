@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace fathom {
 
 inline constexpr const char* kSweepField = "Sweep";  ///< of a frame: which sweep of the recording it belongs to, from 0
 inline constexpr const char* kReservedSpace = ".sweep.reserve";
+
+/// The sweep that a frame of a recording belongs to, as stored; empty where the recorder was not told.
+std::string_view sweep_of(const FrameHeader& frame);
 
 /// A status without blanks around it; one that is not that of a valid pose or image never becomes so.
 std::string plain_status(const std::string& status);

@@ -58,10 +58,12 @@ class Recorder::Writer {
   void end();
   RecorderStatus status() const;
   FinishedRecording finish();
+  void discard_if_empty();
   void on_frame(const SharedFrame& frame);
   void on_sample(const TrackerSample& sample);
 
  private:
+  void begin_sweep();
   bool is_wanted(const TrackedFrame& frame);
   void push(Item item);
   void run();
@@ -89,6 +91,7 @@ class Recorder::Writer {
   std::optional<StillGate> gate_;
   RecorderStatus status_;
   double first_time_s_ = 0.0;
+  std::uint64_t accepted_ = 0;  // frames
 
   // Of the thread alone.
   bool failed_ = false;
@@ -101,12 +104,10 @@ class Recorder::Writer {
 
 void Recorder::Writer::record() {
   const std::lock_guard lock(mutex_);
+  if (gate_ && gate_->state() == GateState::kClosed) gate_->open_again();
+  const bool goes_on = wanted_ && !(gate_ && gate_->state() == GateState::kWaitingForStill);
+  if (!goes_on) begin_sweep();
   wanted_ = true;
-  if (gate_ && gate_->state() == GateState::kClosed) {
-    gate_->open_again();
-    status_.sweep += in_sweep_ ? 1 : 0;
-    in_sweep_ = false;
-  }
 }
 
 void Recorder::Writer::pause() {
@@ -117,6 +118,11 @@ void Recorder::Writer::pause() {
 void Recorder::Writer::new_sweep() {
   const std::lock_guard lock(mutex_);
   if (gate_) gate_->open_again();
+  begin_sweep();
+}
+
+// With the mutex held.
+void Recorder::Writer::begin_sweep() {
   status_.sweep += in_sweep_ ? 1 : 0;
   in_sweep_ = false;
 }
@@ -147,6 +153,7 @@ void Recorder::Writer::on_frame(const SharedFrame& frame) {
       ++status_.dropped_frames;
       return;
     }
+    ended_ = ++accepted_ == options_.max_frames;
     ++waiting_frames_;
     waiting_bytes_ += bytes;
     queue_.push_back(FrameItem{frame, status_.sweep, bytes});
@@ -289,10 +296,14 @@ RecorderStatus Recorder::Writer::status() const {
   return status;
 }
 
-FinishedRecording Recorder::Writer::finish() {
+void Recorder::Writer::discard_if_empty() {
   join();
+  if (files_.frames() == 0) files_.remove();
+}
+
+FinishedRecording Recorder::Writer::finish() {
+  discard_if_empty();
   if (files_.frames() == 0) {
-    files_.remove();
     throw Error(printable(files_.folder().string(), 300) + ": " +
                 (status_.message.empty() ? "no frame was recorded; nothing was kept" : status_.message));
   }
@@ -311,6 +322,7 @@ void Recorder::mark_invalid() { writer_->mark_invalid(); }
 void Recorder::end() { writer_->end(); }
 RecorderStatus Recorder::status() const { return writer_->status(); }
 FinishedRecording Recorder::finish() { return writer_->finish(); }
+void Recorder::discard_if_empty() { writer_->discard_if_empty(); }
 void Recorder::on_frame(const SharedFrame& frame) { writer_->on_frame(frame); }
 void Recorder::on_sample(const TrackerSample& sample) { writer_->on_sample(sample); }
 

@@ -20,6 +20,8 @@ struct RecorderOptions {
   /// What may wait for the disk; further frames are dropped, counted and told.
   std::size_t max_waiting_frames = 240;
   std::size_t max_waiting_bytes = 256u << 20;
+  /// Ends after so many frames; empty: by hand.
+  std::optional<std::uint64_t> max_frames = {};
   /// Sweeps begin when the probe has been held still, and end when it is still again; empty: by hand.
   std::optional<StillOptions> gate = {};
   /// Further fields for the recording's header.
@@ -65,7 +67,9 @@ class Recorder : public SessionListener {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  void record();  ///< begins, or goes on after pause(); gated: waits for the probe to be held still
+  /// Begins, or goes on after pause() with another sweep: the hand has moved. Gated: waits for the probe to be held
+  /// still.
+  void record();
   void pause();
   void new_sweep();     ///< the next frame begins another sweep; gated: waits again
   void mark_invalid();  ///< what was recorded of this sweep so far, and what waits to be written
@@ -76,6 +80,9 @@ class Recorder : public SessionListener {
   /// Ends, and writes the header that makes the folder a recording. Once only. Without any frame the folder is removed
   /// again. Throws Error where there is no frame or the header cannot be written: the data stay for `recover`.
   FinishedRecording finish();
+
+  /// Ends, and removes the folder again if no frame was written.
+  void discard_if_empty();
 
   void on_frame(const SharedFrame& frame) override;
   void on_sample(const TrackerSample& sample) override;

@@ -128,7 +128,7 @@ TEST(Recorder, PausesBeginsSweepsAndMarksThemInvalid) {
   for (int i = 0; i < 8; ++i) {
     const auto index = static_cast<std::size_t>(i);
     EXPECT_EQ(recording->image(i).at<std::uint8_t>(0, 0), number[i]);
-    EXPECT_EQ(frame_field(*recording, index, "Sweep"), i < 3 ? "0" : "1");
+    EXPECT_EQ(frame_field(*recording, index, "Sweep"), i < 3 ? "0" : i < 7 ? "1" : "2");
     EXPECT_EQ(recording->header().frames[index].image_valid(), i != 3 && i != 4);
   }
 }
