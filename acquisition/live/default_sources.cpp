@@ -2,6 +2,7 @@
 
 #include "acquisition/live/igtl_source.h"
 #include "acquisition/live/replay_source.h"
+#include "acquisition/live/video_source.h"
 
 namespace fathom {
 
@@ -9,6 +10,7 @@ SourceRegistry default_sources() {
   SourceRegistry registry;
   add_igtl_sources(registry);
   add_replay_sources(registry);
+  add_video_sources(registry);
   return registry;
 }
 
