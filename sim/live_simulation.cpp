@@ -7,6 +7,7 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "acquisition/live/default_sources.h"
 #include "acquisition/live/source_address.h"
 #include "acquisition/live/source_thread.h"
 #include "acquisition/rigid.h"
@@ -221,7 +222,7 @@ void LiveSimulationOptions::check() const {
   }
   for (const double rate : {rate_hz, tracker_rate_hz}) {
     if (!(rate >= kLowestRate_hz && rate <= kHighestRate_hz)) {
-      throw Error("sim: rates of images and tracker must be from 0.1 to 1000 a second");
+      throw Error("sim: there is no such rate of images or tracker; choose from 0.1 to 1000 a second");
     }
   }
 }
@@ -235,6 +236,12 @@ void add_simulated_sources(SourceRegistry& registry) {
                {"sim:OBJECT/PATTERN", "a simulated scanner and tracker", make_from_text, [] {
                   return std::vector<FoundDevice>{{"sim:bladder/linear", "a simulated bladder, swept to and fro"}};
                 }});
+}
+
+SourceRegistry all_sources() {
+  SourceRegistry registry = default_sources();
+  add_simulated_sources(registry);
+  return registry;
 }
 
 }  // namespace fathom

@@ -32,4 +32,7 @@ std::unique_ptr<LiveSource> make_live_simulation(std::string name, const LiveSim
 /// jitter_deg, seed, speckle=1 and loop=0.
 void add_simulated_sources(SourceRegistry& registry);
 
+/// Every kind of source that there is: default_sources() and these.
+SourceRegistry all_sources();
+
 }  // namespace fathom
