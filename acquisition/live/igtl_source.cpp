@@ -77,6 +77,7 @@ class IgtlSource : public LiveSource {
 
   void start(LiveListener& listener) override {
     listener_ = &listener;
+    away_.clear();
     thread_.start(name_, listener, [this](const std::stop_token& stop) { run(stop); });
   }
 
