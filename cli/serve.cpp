@@ -56,16 +56,33 @@ class Served : public LiveListener {
   SourceEvent last_;
 };
 
+class Nobody : public LiveListener {
+ public:
+  void on_frame(LiveFrame) override {}
+  void on_sample(TrackerSample) override {}
+  void on_event(SourceEvent) override {}
+};
+
 bool is_source(const std::string& text, const SourceRegistry& sources) {
   const std::size_t colon = text.find(':');
   return colon != std::string::npos && sources.schemes().contains(text.substr(0, colon));
 }
 
-std::unique_ptr<LiveSource> open_source(const ServeCommand& command, bool& recorded) {
+/// Sources that are played, and begin when there is somebody to see them.
+std::unique_ptr<LiveSource> open_source(const ServeCommand& command, bool& played) {
   const SourceRegistry sources = all_sources();
-  recorded = !is_source(command.source, sources);
-  if (!recorded) return sources.make(command.source);
-  return make_replay(command.source, open_only_recording(command.source, "serve"), {.loop = !command.once});
+  played = !is_source(command.source, sources) || command.source.starts_with("replay:");
+  if (!is_source(command.source, sources)) {
+    return make_replay(command.source, open_only_recording(command.source, "serve"), {.loop = !command.once});
+  }
+  auto source = sources.make(command.source);
+  if (played) {
+    // What is wrong with the file is to be told before anybody is waited for.
+    Nobody nobody;
+    source->start(nobody);
+    source->stop();
+  }
+  return source;
 }
 
 void show(const IgtlServer& server, const SourceEvent& event) {
@@ -85,18 +102,17 @@ void wait_until_done(const IgtlServer& server, const Served& served, const Done&
 }
 
 IgtlServer::Counts serve(const ServeCommand& command) {
-  bool recorded = false;
-  const auto source = open_source(command, recorded);
+  bool played = false;
+  const auto source = open_source(command, played);
   IgtlServerOptions options = command.server;
   if (command.frames) options.most_frames = *command.frames;
   IgtlServer server(options);
   Served served(server);
-  if (!recorded) source->start(served);
+  if (!played) source->start(served);
   std::cerr << "serving on " << options.address << ":" << server.port() << "; Ctrl-C ends it\n";
   const double start_s = live_clock_s();
   const auto out_of_time = [&] { return command.seconds && live_clock_s() - start_s >= *command.seconds; };
-  if (recorded) {
-    // It begins when there is somebody to see it.
+  if (played) {
     wait_until_done(server, served, [&] { return server.counts().clients > 0 || out_of_time(); });
     source->start(served);
   }
@@ -145,7 +161,7 @@ void add_serve(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--device", options->server.image_device, "What the images are called")->capture_default_str();
   command->add_option("--seconds", options->seconds, "End after this time (default: at Ctrl-C)")->check(above(0));
-  command->add_option("--frames", options->frames, "End after so many frames of the source")
+  command->add_option("--frames", options->frames, "End after so many frames were sent to anybody")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 53));
   command->add_flag("--once", options->once, "Play a recording only once");
   command->add_flag("--json", options->json, "Print one JSON object");
