@@ -26,6 +26,8 @@ class SessionCounters {
   void delivered(const TrackedFrame& frame);
   void changed_state(LiveStream stream, const SourceEvent& event);
 
+  /// Whether the source has ever sent anything.
+  bool has_received(LiveStream stream) { return of(stream).received > 0; }
   /// Whether no more images will come.
   bool images_ended() const;
   std::uint64_t dropped_frames() const { return stats_.images.dropped; }

@@ -168,8 +168,10 @@ void LiveSession::Worker::handle(TrackerSample sample) {
 }
 
 void LiveSession::Worker::handle(StreamEvent event) {
+  bool was_there = false;
   {
     const std::lock_guard lock(mutex_);
+    was_there = counters_.has_received(event.stream);
     counters_.changed_state(event.stream, event.event);
     if (!tracker_) counters_.changed_state(LiveStream::kTracker, event.event);
   }
@@ -177,7 +179,9 @@ void LiveSession::Worker::handle(StreamEvent event) {
     matcher_.expect_samples(event.event.state == SourceState::kConnecting ||
                             event.event.state == SourceState::kRunning);
   }
-  const bool bad = event.event.state == SourceState::kConnecting || event.event.state == SourceState::kFailed;
+  // Waiting for a peer that was never there yet is no fault.
+  const bool bad =
+      event.event.state == SourceState::kFailed || (event.event.state == SourceState::kConnecting && was_there);
   const std::lock_guard lock(listeners_mutex_);
   const SessionEvent told{event.stream, event.event.state, bad, event.event.time_s, event.event.message};
   for (SessionListener* listener : listeners_) listener->on_event(told);
