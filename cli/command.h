@@ -9,6 +9,7 @@ namespace fathom {
 void add_calibrate(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_demo(CLI::App& app);
+void add_devices(CLI::App& app);
 void add_eqnsurf(CLI::App& app);
 void add_exam(CLI::App& app);
 void add_info(CLI::App& app);
@@ -21,6 +22,7 @@ void add_recover(CLI::App& app);
 void add_register(CLI::App& app);
 void add_reslice(CLI::App& app);
 void add_segment(CLI::App& app);
+void add_serve(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_surface(CLI::App& app);
 void add_sweeps(CLI::App& app);

@@ -49,6 +49,8 @@ int main(int argc, char** argv) {
   fathom::add_eqnsurf(app);
   fathom::add_calibrate(app);
   fathom::add_register(app);
+  fathom::add_devices(app);
+  fathom::add_serve(app);
   fathom::add_demo(app);
 
   try {
