@@ -81,10 +81,10 @@ class Setup {
   void silence(std::optional<PolhemusModel> model) {
     constexpr double kGoesOn_s = 0.5;  // a record or a complaint is an answer; what lasts this long is a stream
     const double end_s = live_clock_s() + kStop_s;
-    line_.write("\r");
     while (live_clock_s() < end_s) {
-      if (!model || *model == PolhemusModel::kFastrak) line_.write("c");
+      line_.write("\r");
       if (!model || *model != PolhemusModel::kFastrak) line_.write("P");
+      if (!model || *model == PolhemusModel::kFastrak) line_.write("c");
       const double begin_s = live_clock_s();
       listen(kSilence_s, kGoesOn_s);
       if (live_clock_s() - begin_s < kGoesOn_s) return;
@@ -106,7 +106,7 @@ class Setup {
   }
 
   PolhemusModel identify() {
-    // The carriage return has the others complain at once.
+    // The others take this for a bad command, and complain at once.
     if (fastrak_flags(ask("FS\r"))) return PolhemusModel::kFastrak;
     std::string answer = ask(kWhoAreYou);
     for (char& c : answer) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));

@@ -209,6 +209,21 @@ TEST(PolhemusSerial, IsSetUpAgainAfterItWasSwitchedOffAndOn) {
   EXPECT_EQ(missing(after, terminal.sent()), 0U);
 }
 
+// As after a program that died while the instrument was sending.
+TEST(PolhemusSerial, IsSetUpWhileItIsSending) {
+  for (const auto model : {PolhemusModel::kFastrak, PolhemusModel::kPatriot}) {
+    Terminal terminal(model);
+    terminal.instrument.hear(model == PolhemusModel::kFastrak ? "fC" : "F1\rC\r");
+    terminal.plug_in();
+    Heard heard;
+    const auto source = make(terminal.source());
+    source->start(heard);
+    EXPECT_TRUE(heard.wait_for([](const Heard& h) { return has_samples(h, 2); }));
+    source->stop();
+    EXPECT_EQ(missing(heard.samples, terminal.sent()), 0U);
+  }
+}
+
 TEST(PolhemusSerial, MarksPosesThatTheInstrumentDoubts) {
   Terminal terminal(PolhemusModel::kPatriot);
   terminal.instrument.distortion = 40;
