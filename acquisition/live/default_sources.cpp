@@ -1,11 +1,13 @@
 #include "acquisition/live/default_sources.h"
 
+#include "acquisition/live/polhemus_source.h"
 #include "acquisition/live/replay_source.h"
 
 namespace fathom {
 
 SourceRegistry default_sources() {
   SourceRegistry registry;
+  add_polhemus_sources(registry);
   add_replay_sources(registry);
   return registry;
 }

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "tests/acquisition/live/heard.h"
 #include "tests/acquisition/live/polhemus_instrument.h"
+#include "tests/acquisition/live/polhemus_match.h"
 #include "tests/scratch_folder.h"
 
 namespace fathom {
@@ -96,30 +97,6 @@ std::unique_ptr<LiveSource> make(const std::string& source) {
   SourceRegistry registry;
   add_polhemus_sources(registry);
   return registry.make(source);
-}
-
-bool same(const TrackerSample& sample, const PolhemusReading& sent) {
-  const Pose pose = polhemus_pose(sent, 255);
-  return (sample.pose.matrix - pose.matrix).cwiseAbs().maxCoeff() < 1e-2;
-}
-
-// Every valid sample is one that was sent, in order. Returns how many of those sent in between did not come.
-std::size_t missing(const std::vector<TrackerSample>& samples, const std::vector<PolhemusReading>& sent) {
-  std::size_t next = 0, skipped = 0;
-  bool begun = false;
-  for (const TrackerSample& sample : samples) {
-    if (!sample.pose.valid()) continue;
-    std::size_t at = next;
-    while (at < sent.size() && !same(sample, sent[at])) ++at;
-    if (at == sent.size()) {
-      ADD_FAILURE() << "a pose that was never sent";
-      return 0;
-    }
-    if (begun) skipped += at - next;
-    begun = true;
-    next = at + 1;
-  }
-  return skipped;
 }
 
 bool has_samples(const Heard& heard, std::size_t count) { return heard.samples.size() >= count; }
