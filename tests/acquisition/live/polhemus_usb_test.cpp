@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <optional>
+#include <ostream>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -21,6 +22,9 @@ struct Case {
   UsbProduct product;
   const char* name;
 };
+
+// As it is named in lists of tests.
+void PrintTo(const Case& each, std::ostream* stream) { *stream << each.name; }
 
 constexpr Case kPatriot = {PolhemusModel::kPatriot, {0xef12, 0x02, 0x82, 0}, "PATRIOT"};
 constexpr Case kLiberty = {PolhemusModel::kLiberty, {0xff20, 0x04, 0x88, 0}, "LIBERTY HS"};
