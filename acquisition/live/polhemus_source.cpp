@@ -1,9 +1,11 @@
 #include "acquisition/live/polhemus_source.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <utility>
 
+#include "acquisition/live/clock_mapping.h"
 #include "acquisition/live/polhemus_setup.h"
 #include "acquisition/live/source_thread.h"
 #include "core/error.h"
@@ -64,6 +66,8 @@ class PolhemusSource : public LiveSource {
     waiting_.clear();
     frames_.clear();
     losses_ = {};
+    clock_ = ClockMapping();
+    last_ms_.reset();
   }
 
   void run(const std::stop_token& stop) {
@@ -137,13 +141,14 @@ class PolhemusSource : public LiveSource {
       any = true;
       // What lies behind it in the buffer, and itself, took its time on the line.
       const auto behind = static_cast<double>(waiting_.size() - used + step.used);
-      send(*step.reading, arrival_s, arrival_s - behind * line_->byte_s());
+      made_s_ = std::max(made_s_, arrival_s - behind * line_->byte_s());
+      send(*step.reading, arrival_s);
     }
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(used));
     return any;
   }
 
-  void send(const PolhemusReading& reading, double arrival_s, double time_s) {
+  void send(const PolhemusReading& reading, double arrival_s) {
     if (reading.frame) {
       const auto last = frames_.find(reading.station);
       if (last != frames_.end()) {
@@ -155,10 +160,21 @@ class PolhemusSource : public LiveSource {
     TrackerSample sample;
     sample.transform = transform_of(reading.station);
     sample.pose = polhemus_pose(reading, options_.most_distortion);
-    sample.time_s = time_s;
+    sample.time_s = made_s_;
     sample.arrival_s = arrival_s;
-    if (reading.time_ms) sample.device_time_s = *reading.time_ms * 1e-3;
+    if (reading.time_ms) {
+      sample.device_time_s = device_time_s(*reading.time_ms);
+      sample.time_s = clock_.map(*sample.device_time_s, made_s_);
+    }
     listener_->on_sample(std::move(sample));
+  }
+
+  // The instrument's clock, which starts again at 0 after 2^32 ms.
+  double device_time_s(std::uint32_t time_ms) {
+    if (!last_ms_) device_ms_ = time_ms;
+    if (last_ms_) device_ms_ += static_cast<std::int32_t>(time_ms - *last_ms_);
+    last_ms_ = time_ms;
+    return static_cast<double>(device_ms_) * 1e-3;
   }
 
   std::string transform_of(int station) const {
@@ -176,6 +192,10 @@ class PolhemusSource : public LiveSource {
   std::vector<std::uint8_t> waiting_;    // bytes that make no record yet
   std::map<int, std::uint32_t> frames_;  // last frame count of each station
   Losses losses_;
+  double made_s_ = 0.0;  // when the last record began on the line; never goes back
+  ClockMapping clock_;
+  std::optional<std::uint32_t> last_ms_;
+  std::int64_t device_ms_ = 0;
   SourceThread thread_;
 };
 
