@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
@@ -71,13 +72,14 @@ PolhemusUsbEmulation::PolhemusUsbEmulation(PolhemusModel model, const UsbProduct
 
 PolhemusUsbEmulation::~PolhemusUsbEmulation() {
   unplug();
+  for (const std::string& node : nodes_) umockdev_testbed_detach_ioctl(testbed_, node.c_str(), nullptr);
   g_object_unref(testbed_);
 }
 
 void PolhemusUsbEmulation::plug_in() {
   ++number_;
   char device[2000];
-  node_ = "/dev/bus/usb/001/00" + std::to_string(number_);
+  nodes_.push_back("/dev/bus/usb/001/00" + std::to_string(number_));
   syspath_ = "/sys/devices/usb1/1-" + std::to_string(number_);
   const std::string descriptors = hex(descriptors_of(product_));
   std::snprintf(device, sizeof device,
@@ -90,7 +92,7 @@ void PolhemusUsbEmulation::plug_in() {
   if (!umockdev_testbed_add_from_string(testbed_, device, &fault)) throw std::runtime_error(fault->message);
   UMockdevIoctlBase* handler = umockdev_ioctl_base_new();
   g_signal_connect(handler, "handle-ioctl", G_CALLBACK(on_request), this);
-  const bool attached = umockdev_testbed_attach_ioctl(testbed_, node_.c_str(), handler, &fault);
+  const bool attached = umockdev_testbed_attach_ioctl(testbed_, nodes_.back().c_str(), handler, &fault);
   g_object_unref(handler);
   if (!attached) throw std::runtime_error(fault->message);
   const std::lock_guard lock(mutex_);
@@ -101,12 +103,21 @@ void PolhemusUsbEmulation::unplug() {
   {
     const std::lock_guard lock(mutex_);
     if (gone_) return;
-    gone_ = true;
+    gone_ = true;  // every request is answered so from now on
   }
   umockdev_testbed_uevent(testbed_, syspath_.c_str(), "remove");
+  // Without its device umockdev leaves a request under way without an answer, for ever; a kernel does not. A driver
+  // that has the device open asks all the time: once it does not, it has closed it.
+  constexpr auto kQuiet = std::chrono::milliseconds(150);
+  std::unique_lock lock(mutex_);
+  while (std::chrono::steady_clock::now() - asked_ < kQuiet) {
+    lock.unlock();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    lock.lock();
+  }
+  lock.unlock();
   umockdev_testbed_remove_device(testbed_, syspath_.c_str());
-  umockdev_testbed_detach_ioctl(testbed_, node_.c_str(), nullptr);
-  const std::lock_guard lock(mutex_);
+  lock.lock();
   forget(waiting_);
   forget(done_);
   queued_.clear();
@@ -133,6 +144,7 @@ gboolean PolhemusUsbEmulation::on_request(UMockdevIoctlBase*, UMockdevIoctlClien
 
 bool PolhemusUsbEmulation::handle(UMockdevIoctlClient* client) {
   const std::lock_guard lock(mutex_);
+  asked_ = std::chrono::steady_clock::now();
   const unsigned long request = umockdev_ioctl_client_get_request(client);
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
   if (gone_) {

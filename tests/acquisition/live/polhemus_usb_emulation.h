@@ -59,10 +59,12 @@ class PolhemusUsbEmulation {
 
   UsbProduct product_;
   UMockdevTestbed* testbed_;
-  std::string syspath_, node_;
-  int number_ = 1;  // on the bus
+  std::string syspath_;
+  std::vector<std::string> nodes_;  // of the devices so far
+  int number_ = 1;                  // on the bus
   std::mutex mutex_;
   bool gone_ = true;
+  std::chrono::steady_clock::time_point asked_;  // the last request
   std::list<Urb> waiting_, done_;
   std::map<std::uint8_t, std::string> queued_;  // by pipe, what the instrument has to give
   std::chrono::steady_clock::time_point measured_;
