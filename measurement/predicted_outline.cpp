@@ -38,6 +38,14 @@ Between between_sections(const SectionGap& gap, const Eigen::Vector3d& x_mm, Bet
   return at;
 }
 
+/// Where a section has no area a smooth body ends as a paraboloid does, its radius with the root of the way; and it
+/// ends at the point that the section touches, or half-way to one that it does not reach.
+double rounded_off(const SectionShape& end, double way) {
+  if (end.kind() == SectionKind::kPoint) return std::sqrt(way);
+  if (end.kind() == SectionKind::kAbsent && way > 0.5) return 0.5 + 0.5 * std::sqrt(2.0 * way - 1.0);
+  return way;
+}
+
 float distance_or_absent(const SectionShape& shape, const Eigen::Vector2d& ab_mm, float absent_mm) {
   return shape.kind() == SectionKind::kAbsent ? -absent_mm : shape.distance_mm(ab_mm);
 }
@@ -77,7 +85,8 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
       const Eigen::Vector2d own_ab = place.ab_from_image * grid.middle_px(kStride * i, kStride * j);
       at = between_sections(gap, place.plane.at(own_ab), {own_ab, at.u});
       shares += at.u;
-      distance.at<float>(j, i) = per_block * curved.value_mm(at.ab_mm, at.u);
+      distance.at<float>(j, i) =
+          per_block * curved.value_mm(at.ab_mm, 1.0 - rounded_off(second, 1.0 - rounded_off(first, at.u)));
       change.at<float>(j, i) = per_block * std::abs(distance_or_absent(second, at.ab_mm, deepest) -
                                                     distance_or_absent(first, at.ab_mm, deepest));
     }

@@ -18,9 +18,10 @@ struct PredictedOutline {
 };
 
 /// `curved` is that of `gap`; `place` is the frame's plane, in the same (a, b) as the gap's, and need not lie exactly
-/// between the sections.
+/// between the sections. `round_ends`: towards a section without an area the structure ends as a smooth body does, else
+/// as a cone.
 PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved, const CarriedPlane& place,
-                                 const PixelGrid& grid);
+                                 const PixelGrid& grid, bool round_ends = true);
 
 /// The distances of one section on its own frame. Where it is absent all lies `absent_blocks` outside.
 cv::Mat section_distances(const SectionShape& shape, const CarriedPlane& place, const PixelGrid& grid,

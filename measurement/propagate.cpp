@@ -253,7 +253,9 @@ std::string why_nothing(const Propagation& result) {
 
 void PropagateOptions::check() const {
   if (every < 1) throw Error("propagation: every how many frames must be at least 1");
-  if (!(spread > 0.0) || !std::isfinite(spread)) throw Error("propagation: the spread must be positive");
+  for (const double share : {spread_of_misfit, spread_of_change}) {
+    if (!(share > 0.0) || !std::isfinite(share)) throw Error("propagation: the spreads must be positive");
+  }
   refinement.check();
 }
 

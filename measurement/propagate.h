@@ -21,9 +21,11 @@ struct PropagateOptions {
   std::optional<std::string> structure;  ///< the only one to propagate; empty: all
   int every = 1;                         ///< of the frames between two drawn ones, outline every so many
   bool pixels = true;                    ///< false: by the drawn outlines alone
-  /// Standard deviation of the prediction's error half-way between two sections, as a share of how far the outline
-  /// moves from one to the other.
-  double spread = 0.3;
+  /// Standard deviation of the prediction's error half-way between two drawn sections: as a share of the error that
+  /// shows where a drawn section is predicted from its neighbours, twice as far apart; and, where nothing shows or a
+  /// section has no area, as a share of how far the outline moves from one section to the other.
+  double spread_of_misfit = 0.3;
+  double spread_of_change = 0.4;
   StackRefinementOptions refinement;
 
   /// Throws Error when a value is out of range.

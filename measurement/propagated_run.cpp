@@ -14,9 +14,9 @@ namespace fathom {
 namespace {
 
 constexpr double kMargin_px = 40.0;  // around the drawn outlines, where parts between them may reach
-constexpr double kLeastSpread_blocks = 0.3;
-constexpr double kChangeBand_blocks = 8.0;  // beside the predicted outline, where its change counts
-constexpr double kChangeWindow_blocks = 6.0;
+constexpr double kLeastSpread_blocks = 0.1;
+constexpr double kBand_blocks = 8.0;  // beside an outline, where its errors and changes count
+constexpr double kWindow_blocks = 6.0;
 
 double overlap_fault(const cv::Mat& a, const cv::Mat& b) {
   const cv::Mat in_a = a > 0.0;
@@ -25,20 +25,17 @@ double overlap_fault(const cv::Mat& a, const cv::Mat& b) {
   return sum == 0 ? 0.0 : 1.0 - 2.0 * cv::countNonZero(in_a & in_b) / sum;
 }
 
-/// Around every block, how far the outline moves from section to section: 0 at both of them, in between as a bridge
-/// that is pinned at its ends.
-cv::Mat spread_of(const PredictedOutline& predicted, double share_of_change) {
+/// The mean of `values` around every block, as far as they lie near the outline of `distance`.
+cv::Mat along_outline(const cv::Mat& values, const cv::Mat& distance) {
   cv::Mat near;
-  cv::Mat(cv::abs(predicted.distance) < kChangeBand_blocks).convertTo(near, CV_32F, 1.0 / 255.0);
+  cv::Mat(cv::abs(distance) < kBand_blocks).convertTo(near, CV_32F, 1.0 / 255.0);
   cv::Mat weight;
-  cv::Mat change;
-  cv::GaussianBlur(near, weight, cv::Size(0, 0), kChangeWindow_blocks);
-  cv::GaussianBlur(near.mul(predicted.change), change, cv::Size(0, 0), kChangeWindow_blocks);
-  cv::Mat spread;
-  cv::divide(change, cv::max(weight, 1e-3), spread);
-  const double bridge = 2.0 * std::sqrt(predicted.share * (1.0 - predicted.share));
-  spread = cv::max(spread * (share_of_change * bridge), kLeastSpread_blocks);
-  return spread;
+  cv::Mat sum;
+  cv::GaussianBlur(near, weight, cv::Size(0, 0), kWindow_blocks);
+  cv::GaussianBlur(near.mul(values), sum, cv::Size(0, 0), kWindow_blocks);
+  cv::Mat mean;
+  cv::divide(sum, cv::max(weight, 1e-3), mean);
+  return mean;
 }
 
 std::vector<Polygon> outlines_of(const DrawnSection& first, const DrawnSection& second) {
@@ -62,6 +59,33 @@ std::optional<SectionGap> gap_between(const DrawnSection* a, const DrawnSection*
   return SectionGap({a->place.plane, a->shape}, {b->place.plane, b->shape}, Guide::kDiscs);
 }
 
+/// By how much the sections on either side of a drawn one mispredict it, along its outline; empty where one is missing.
+std::optional<cv::Mat> misfit(const DrawnSection* before, const DrawnSection& drawn, const DrawnSection* after,
+                              const cv::Mat& distance, const PixelGrid& grid) {
+  const std::optional<SectionGap> gap = gap_between(before, after);
+  const bool areas = gap && !(before->outlines_px.empty() && after->outlines_px.empty());
+  if (!areas || drawn.outlines_px.empty()) return std::nullopt;
+  const PredictedOutline predicted = predict_outline(*gap, CurvedGap(*gap, nullptr, nullptr), drawn.place, grid);
+  return along_outline(cv::abs(predicted.distance - distance), distance);
+}
+
+/// Standard deviation of the prediction's error around every block, pinned to 0 at the drawn sections.
+cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat>& first_misfit,
+                  const std::optional<cv::Mat>& second_misfit, bool ends, const PropagateOptions& options) {
+  const double w = predicted.share;
+  cv::Mat spread;
+  if (first_misfit && second_misfit) {
+    spread = options.spread_of_misfit * ((1.0 - w) * *first_misfit + w * *second_misfit);
+  } else if (first_misfit || second_misfit) {
+    spread = options.spread_of_misfit * (first_misfit ? *first_misfit : *second_misfit);
+  }
+  if (spread.empty() || ends) {
+    const cv::Mat by_change = options.spread_of_change * along_outline(predicted.change, predicted.distance);
+    spread = spread.empty() ? by_change : cv::Mat(cv::max(spread, by_change));
+  }
+  return cv::max(spread * (2.0 * std::sqrt(w * (1.0 - w))), kLeastSpread_blocks);
+}
+
 const SectionGap* pointer_to(const std::optional<SectionGap>& gap) { return gap ? &*gap : nullptr; }
 
 }  // namespace
@@ -80,6 +104,9 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection
     return section_distances(*section.shape, section.place, grid, deepest_mm / block_mm(section.place, grid));
   };
 
+  const bool ends = first.outlines_px.empty() || second.outlines_px.empty();
+  const auto first_misfit = misfit(before, first, &second, drawn_distances(first), grid);
+  const auto second_misfit = misfit(&first, second, after, drawn_distances(second), grid);
   std::vector<StackFrame> stack(frames.size() + 2);
   std::vector<FilledFrame> filled(frames.size());
   const int count = static_cast<int>(frames.size());
@@ -95,7 +122,7 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection
       const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
       const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid);
       to = stack_frame(recording, frame.frame, grid, predicted.distance);
-      to.spread = spread_of(predicted, options.spread);
+      to.spread = spread_of(predicted, first_misfit, second_misfit, ends, options);
       to.share = predicted.share;
     }
   });

@@ -14,7 +14,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double kBlocksAcross = 12.0;
+constexpr double kBlocksAcross = 8.0;
 constexpr int kLargestStep_px = 4;
 constexpr double kMostBlocks = 4.0e6;
 

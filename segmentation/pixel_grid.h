@@ -29,7 +29,7 @@ struct PixelGrid {
 };
 
 /// Around outlines, `margin_px` on every side. Blocks are so large that a part of the outlines' mean size has some
-/// twelve of them across, 1 to 4 pixels. Throws Error when there are no outlines or they would need more than 4 million
+/// eight of them across, 1 to 4 pixels. Throws Error when there are no outlines or they would need more than 4 million
 /// blocks.
 PixelGrid grid_around(std::span<const Polygon> outlines_px, double margin_px);
 

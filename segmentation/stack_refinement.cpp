@@ -57,6 +57,7 @@ Sides sides_of(const StackFrame& frame, const cv::Mat& distance, double window) 
 
 /// What a drawn frame teaches.
 struct Lesson {
+  bool any_inside = false;
   cv::Mat contrast;       ///< inside less outside around every block, grey values
   double variance = 0.0;  ///< of the grey values about the mean of their side
   double alike = 1.0;     ///< blocks that vary together
@@ -103,6 +104,7 @@ Lesson lesson_of(const StackFrame& frame, double window) {
     }
   }
   Lesson lesson;
+  lesson.any_inside = cv::countNonZero((frame.distance > 0.0F) & (frame.seen > 0.0F)) > 0;
   lesson.variance = residual.dot(residual) / std::max(1.0, mask.dot(mask));
   lesson.alike = correlated_blocks(residual, mask);
   const double whole = (inside - outside) / weights;
@@ -137,7 +139,9 @@ class Refinement {
     for (const StackFrame& frame : frames.subspan(1, frames.size() - 2)) {
       Working work;
       work.frame = &frame;
-      cv::addWeighted(first.contrast, 1.0 - frame.share, last.contrast, frame.share, 0.0, work.contrast);
+      // A frame without the structure teaches nothing.
+      const double share = !first.any_inside ? 1.0 : !last.any_inside ? 0.0 : frame.share;
+      cv::addWeighted(first.contrast, 1.0 - share, last.contrast, share, 0.0, work.contrast);
       work.white = cv::Mat::zeros(frame.distance.size(), CV_32FC1);
       work.distance = frame.distance.clone();
       frames_.push_back(std::move(work));

@@ -29,7 +29,7 @@ struct StackRefinementOptions {
   double window_blocks = 6.0;   ///< within which echoes on one side of the outline are alike
   double length_frames = 0.33;  ///< the same as the first, from frame to frame, as a share of the run
   double evidence = 1.0;        ///< weight of the pixels against the prediction
-  int rounds = 40;
+  int rounds = 24;
 
   /// Throws Error when a value is not positive and finite.
   void check() const;

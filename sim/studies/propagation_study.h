@@ -12,11 +12,11 @@ namespace fathom {
 /// Propagation on simulated speckled sweeps of the scenes: true contours on every `drawn_every`-th frame.
 struct PropagationStudyOptions {
   int sweeps = 40;  ///< all five scenes in turn, each in all five patterns of one sweep in turn
-  int frames = 49;  ///< of each sweep
+  int frames = 97;  ///< of each sweep
   int drawn_every = 8;
   std::uint64_t first_seed = 9001;  ///< of the first sweep; the others follow
-  double jitter_mm = 0.3;           ///< of the hand
-  double jitter_deg = 0.5;
+  double jitter_mm = 0.0;           ///< of the hand
+  double jitter_deg = 0.0;
   PropagateOptions propagate;
 };
 
