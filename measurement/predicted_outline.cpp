@@ -69,7 +69,7 @@ double block_mm(const CarriedPlane& place, const PixelGrid& grid) {
 }
 
 PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved, const CarriedPlane& place,
-                                 const PixelGrid& grid) {
+                                 const PixelGrid& grid, bool round_ends) {
   const SectionShape& first = *gap.first().shape;
   const SectionShape& second = *gap.second().shape;
   const float deepest = std::max(first.largest_inside_mm(), second.largest_inside_mm());
@@ -85,8 +85,8 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
       const Eigen::Vector2d own_ab = place.ab_from_image * grid.middle_px(kStride * i, kStride * j);
       at = between_sections(gap, place.plane.at(own_ab), {own_ab, at.u});
       shares += at.u;
-      distance.at<float>(j, i) =
-          per_block * curved.value_mm(at.ab_mm, 1.0 - rounded_off(second, 1.0 - rounded_off(first, at.u)));
+      const double u = round_ends ? 1.0 - rounded_off(second, 1.0 - rounded_off(first, at.u)) : at.u;
+      distance.at<float>(j, i) = per_block * curved.value_mm(at.ab_mm, u);
       change.at<float>(j, i) = per_block * std::abs(distance_or_absent(second, at.ab_mm, deepest) -
                                                     distance_or_absent(first, at.ab_mm, deepest));
     }

@@ -21,6 +21,7 @@ struct PropagateOptions {
   std::optional<std::string> structure;  ///< the only one to propagate; empty: all
   int every = 1;                         ///< of the frames between two drawn ones, outline every so many
   bool pixels = true;                    ///< false: by the drawn outlines alone
+  bool round_ends = true;                ///< false: towards an end structures taper off as disc-guided surfaces do
   /// Standard deviation of the prediction's error half-way between two drawn sections: as a share of the error that
   /// shows where a drawn section is predicted from its neighbours, twice as far apart; and, where nothing shows or a
   /// section has no area, as a share of how far the outline moves from one section to the other.

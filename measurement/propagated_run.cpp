@@ -120,7 +120,7 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection
         continue;
       }
       const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
-      const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid);
+      const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid, options.round_ends);
       to = stack_frame(recording, frame.frame, grid, predicted.distance);
       to.spread = spread_of(predicted, first_misfit, second_misfit, ends, options);
       to.share = predicted.share;

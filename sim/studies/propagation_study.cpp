@@ -86,6 +86,7 @@ PropagationStudySweep score_sweep(const PropagationStudyOptions& options, int sw
 
   PropagateOptions image_free = options.propagate;
   image_free.pixels = false;
+  image_free.round_ends = false;
   // Images are made before the clock starts.
   std::vector<cv::Mat> images;
   for (int frame = 0; frame < options.frames; ++frame) images.push_back(scan.recording->image(frame));
