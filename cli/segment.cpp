@@ -6,7 +6,9 @@
 #include "cli/options.h"
 #include "cli/output.h"
 #include "cli/scan_input.h"
-#include "core/text_file.h"
+#include "core/atomic_file.h"
+#include "exam/contact_sheet.h"
+#include "exam/report_picture.h"
 #include "segmentation/threshold_recording.h"
 
 namespace fathom {
@@ -17,6 +19,7 @@ struct SegmentCommand {
   std::string recording;
   std::string out;
   ThresholdRecordingOptions segment;
+  std::string picture;
   bool json = false;
 };
 
@@ -38,7 +41,15 @@ Structure outline(const SegmentCommand& command) {
 
 void run(const SegmentCommand& command) {
   const Structure structure = outline(command);
-  write_text_file(command.out, contours_json({structure}));
+  AtomicFile contours(command.out);
+  contours.write(contours_json({structure}));
+  if (command.picture.empty()) {
+    contours.commit();
+  } else {
+    AtomicFile picture(command.picture);
+    write_png(contact_sheet(*open_only_recording(command.recording, "segment --picture"), {structure}), picture);
+    AtomicFile::commit_all({&picture, &contours});
+  }
   const auto frames = outlined_frames(structure);
   if (command.json) {
     print_json({{"contours", structure.contours.size()}, {"frames", frames}});
@@ -71,6 +82,7 @@ void add_segment(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--ends", segment.ends, "Outline also the first and the last frame that show the structure");
   command->add_option("--out", options->out, "The contours file to write")->required();
+  command->add_option("--picture", options->picture, "Writes the frames with their contours: .png")->check(png_name());
   command->add_flag("--json", options->json, "Print one JSON object");
   command->callback([options] { run(*options); });
 }
