@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "segmentation/outline_loops.h"
 
 namespace fathom {
 
@@ -60,7 +61,7 @@ class OutlineTracer {
         // Every outline, of a part or of a hole, has an inside pixel with an outside one on its left.
         if (marks[x] != kInside || (marks[x - 1] & kInside) != 0) continue;
         Polygon outline = follow({x, y});
-        const double size = area(outline);
+        const double size = std::abs(signed_area(outline));
         if (size >= options_.min_area_px) found.emplace_back(size, std::move(outline));
       }
     }
@@ -146,17 +147,6 @@ class OutlineTracer {
     } else {
       outline.push_back(point);
     }
-  }
-
-  static double area(const Polygon& outline) {
-    double twice = 0.0;
-    Eigen::Vector2d before = outline.back() - outline.front();
-    for (const Eigen::Vector2d& point : outline) {
-      const Eigen::Vector2d now = point - outline.front();
-      twice += before.x() * now.y() - before.y() * now.x();
-      before = now;
-    }
-    return std::abs(0.5 * twice);
   }
 
   const cv::Mat& image_;
