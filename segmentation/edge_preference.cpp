@@ -14,7 +14,7 @@ namespace {
 constexpr double kHalf = 0.4;        // of the typical strength: fits half
 constexpr double kTooStrong = 1.75;  // of the typical strength: from here on edges belong to something else
 constexpr double kOneSided = 0.5;    // of the signed over the unsigned mean: the bright side is known
-constexpr double kLeastStrength = 2.0;
+constexpr double kLeastStrength = 4.0;
 constexpr double kMostStrength = 30.0;
 constexpr double kPeakStep_px = 0.5;
 constexpr double kDistanceCounts = 0.3;  // what the strength counts less at the end of the reach
@@ -57,7 +57,7 @@ EdgePeak edge_peak(const EdgeMap& map, const EdgePreference& preference, const E
   return best;
 }
 
-EdgePreference learn_edges(const EdgeMap& map, std::span<const Eigen::Vector2d> line, bool closed) {
+EdgePreference learn_edges(const EdgeMap& map, std::span<const Eigen::Vector2d> line, bool closed, double reach_px) {
   const std::size_t count = line.size();
   EdgePreference learnt;
   if (count < kLeastTrainingPoints) return learnt;
@@ -76,7 +76,7 @@ EdgePreference learn_edges(const EdgeMap& map, std::span<const Eigen::Vector2d> 
   double size = 0.0;
   for (const Place& place : places) {
     const Eigen::Vector2d side = right_of(place.along);
-    for (double offset = -kTrainingReach_px; offset <= kTrainingReach_px; offset += 1.0) {
+    for (double offset = -reach_px; offset <= reach_px; offset += 1.0) {
       const double across = across_line(map.at(place.point + offset * side), place.along);
       sum += across * std::abs(across);
       size += across * across;
@@ -86,11 +86,32 @@ EdgePreference learn_edges(const EdgeMap& map, std::span<const Eigen::Vector2d> 
   if (std::abs(sum) > kOneSided * size) learnt.bright_side = sum > 0.0 ? 1 : -1;
   std::vector<double> strengths;
   for (const Place& place : places) {
-    strengths.push_back(edge_peak(map, learnt, place.point, place.along, kTrainingReach_px).strength);
+    strengths.push_back(edge_peak(map, learnt, place.point, place.along, reach_px).strength);
   }
   learnt.strength = std::clamp(median(std::move(strengths)), kLeastStrength, kMostStrength);
   learnt.stronger_too = false;
   return learnt;
+}
+
+EdgePreference together(std::span<const EdgePreference> learnt) {
+  EdgePreference all;
+  std::vector<double> strengths;
+  double place = 0.0;
+  int sides = 0;
+  for (const EdgePreference& one : learnt) {
+    if (one.stronger_too) continue;
+    strengths.push_back(one.strength);
+    sides += one.bright_side;
+    place += one.beside_px;
+  }
+  if (strengths.empty()) return all;
+  const auto count = static_cast<double>(strengths.size());
+  // Half of the lines at least.
+  if (2.0 * std::abs(sides) >= count) all.bright_side = sides > 0 ? 1 : -1;
+  if (all.bright_side != 0) all.beside_px = place / count;
+  all.strength = median(std::move(strengths));
+  all.stronger_too = false;
+  return all;
 }
 
 double learn_place(const EdgeMap& map, const EdgePreference& preference, std::span<const Eigen::Vector2d> places,

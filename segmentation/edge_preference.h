@@ -43,16 +43,21 @@ struct EdgePeak {
 EdgePeak edge_peak(const EdgeMap& map, const EdgePreference& preference, const Eigen::Vector2d& point,
                    const Eigen::Vector2d& along, double reach_px);
 
-/// What the edges near a line show. Lines of fewer than `kLeastTrainingPoints` teach nothing: the preference that
-/// accepts all edges is returned. `beside_px` stays 0.
-EdgePreference learn_edges(const EdgeMap& map, std::span<const Eigen::Vector2d> line, bool closed);
+inline constexpr std::size_t kLeastTrainingPoints = 12;
+inline constexpr double kTrainingReach_px = 4.0;  ///< how far from a line its edge may lie
+
+/// What the edges within `reach_px` of a line show. Lines of fewer than `kLeastTrainingPoints` teach nothing: the
+/// preference that accepts all edges is returned. `beside_px` stays 0.
+EdgePreference learn_edges(const EdgeMap& map, std::span<const Eigen::Vector2d> line, bool closed,
+                           double reach_px = kTrainingReach_px);
+
+/// What several lines show together: the side that most of them agree on, the middle of their strengths, the mean of
+/// their places. Those that taught nothing do not count.
+EdgePreference together(std::span<const EdgePreference> learnt);
 
 /// `beside_px` from places that were chosen with care, such as seeds; `along` are the line's directions there. Few say
 /// less than many.
 double learn_place(const EdgeMap& map, const EdgePreference& preference, std::span<const Eigen::Vector2d> places,
                    std::span<const Eigen::Vector2d> along);
-
-inline constexpr std::size_t kLeastTrainingPoints = 12;
-inline constexpr double kTrainingReach_px = 4.0;  ///< how far from a line its edge may lie
 
 }  // namespace fathom

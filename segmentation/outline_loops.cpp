@@ -32,6 +32,8 @@ std::optional<Crossing> first_crossing(const Polygon& outline) {
   return std::nullopt;
 }
 
+}  // namespace
+
 Polygon without_repeats(const Polygon& outline) {
   Polygon kept;
   for (const Eigen::Vector2d& point : outline) {
@@ -40,8 +42,6 @@ Polygon without_repeats(const Polygon& outline) {
   while (kept.size() > 1 && kept.back() == kept.front()) kept.pop_back();
   return kept;
 }
-
-}  // namespace
 
 double signed_area(const Polygon& outline) {
   double twice = 0.0;
