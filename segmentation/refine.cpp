@@ -29,14 +29,6 @@ constexpr double kNoise = 1.5;                         // standard deviations: s
 constexpr int kTopOnly = 4;                            // power of its share of that
 constexpr int kSmoothing = 2;
 
-std::vector<const Polygon*> pointers(const std::vector<Polygon>& outlines) {
-  std::vector<const Polygon*> all;
-  for (const Polygon& outline : outlines) all.push_back(&outline);
-  return all;
-}
-
-bool simple(const std::vector<Polygon>& outlines) { return !outline_fault(pointers(outlines)).has_value(); }
-
 // How far a point may move to its right (side 1) or left (-1) before it comes to the middle between this place and
 // another of the outlines: the smallest ball that touches the line here and has another point on it.
 double free_room(const std::vector<Polygon>& all, const Eigen::Vector2d& point, const Eigen::Vector2d& normal,
@@ -118,7 +110,7 @@ std::vector<Polygon> as_far_as_simple(const std::vector<Polygon>& from, const st
     for (std::size_t k = 0; k < tried.size(); ++k) {
       for (std::size_t i = 0; i < tried[k].size(); ++i) tried[k][i] += share * (wanted[k][i] - from[k][i]);
     }
-    if (simple(tried)) return tried;
+    if (!outline_fault(tried)) return tried;
   }
   return from;
 }
@@ -133,7 +125,7 @@ void RefineOptions::check() const {
 
 std::vector<Polygon> structure_on_right(std::span<const Polygon> outlines) {
   std::vector<Polygon> turned(outlines.begin(), outlines.end());
-  const std::vector<Nesting> places = nesting(pointers(turned));
+  const std::vector<Nesting> places = nesting(turned);
   for (std::size_t i = 0; i < turned.size(); ++i) {
     turned[i] = without_repeats(turned[i]);
     const bool clockwise = signed_area(turned[i]) > 0.0;
@@ -163,12 +155,12 @@ std::vector<Polygon> refine_outlines(const EdgeMap& map, std::span<const Polygon
                                      const EdgePreference& boundary, const RefineOptions& options) {
   options.check();
   const std::vector<Polygon> drawn(outlines.begin(), outlines.end());
-  if (map.flat || !simple(drawn)) return drawn;
+  if (map.flat || outline_fault(drawn)) return drawn;
   std::vector<Polygon> now;
   for (const Polygon& outline : structure_on_right(outlines)) {
     now.push_back(resampled(outline, kSpacing_px, kLeastPoints));
   }
-  if (!simple(now)) return drawn;
+  if (outline_fault(now)) return drawn;
   const std::vector<Polygon> start = now;
   for (const double share : kShares) {
     std::vector<Polygon> wanted;

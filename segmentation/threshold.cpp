@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include <opencv2/imgproc.hpp>
+
 #include "core/error.h"
 #include "segmentation/outline_loops.h"
 
@@ -18,6 +20,8 @@ namespace {
 // Pixels. Outlines keep this far from pixel centres, so that they never touch each other, and a pixel at the threshold
 // lies truly inside.
 constexpr double kMargin = 1e-6;
+
+constexpr double kMostSmoothing_px = 50.0;
 
 constexpr std::uint8_t kInside = 1;
 constexpr std::uint8_t kTraced = 2;  // an outline through the left side of this pixel has been followed
@@ -74,7 +78,7 @@ class OutlineTracer {
 
  private:
   bool is_inside(double value) const {
-    return options_.below ? value < options_.threshold : value >= options_.threshold;
+    return (value >= options_.threshold && value <= options_.upper) != options_.below;
   }
 
   // Of a pixel of the image or of the frame of outside pixels, one wide, that is laid around it.
@@ -90,7 +94,8 @@ class OutlineTracer {
   // How far the value is on the inner side of the threshold.
   double depth(Pixel at) const {
     const double value = static_cast<double>(image_.ptr<Value>(at.y)[at.x]);
-    return options_.below ? options_.threshold - value : value - options_.threshold;
+    const double within = std::min(value - options_.threshold, options_.upper - value);
+    return options_.below ? -within : within;
   }
 
   // Where the outline passes between two neighbours.
@@ -164,6 +169,10 @@ std::vector<Polygon> outlines_of(const cv::Mat& image, const ThresholdOptions& o
 
 void ThresholdOptions::check() const {
   if (!std::isfinite(threshold)) throw Error("threshold: must be a finite number; give a grey value");
+  if (!(upper >= threshold)) throw Error("threshold: the upper one is below the other; give the lower one first");
+  if (!(smoothing_px >= 0.0 && smoothing_px <= kMostSmoothing_px)) {
+    throw Error("threshold: the smoothing must be from 0 to 50 pixels");
+  }
   if (!std::isfinite(min_area_px) || min_area_px < 0.0) {
     throw Error("smallest area: must not be negative; give it in square pixels, 0 to keep all");
   }
@@ -174,6 +183,12 @@ std::vector<Polygon> threshold_outlines(const cv::Mat& image, const ThresholdOpt
   if (image.channels() != 1) {
     throw Error("threshold: the image has " + std::to_string(image.channels()) +
                 " channels; a threshold needs grey values, so give an image of one channel");
+  }
+  if (options.smoothing_px > 0.0 && !image.empty()) {
+    cv::Mat smooth;
+    image.convertTo(smooth, CV_32F);
+    cv::GaussianBlur(smooth, smooth, {}, options.smoothing_px, options.smoothing_px, cv::BORDER_REPLICATE);
+    return outlines_of<float>(smooth, options);
   }
   switch (image.depth()) {
     case CV_8U:

@@ -30,11 +30,7 @@ std::vector<Polygon> refined(const cv::Mat& image, const std::vector<Polygon>& d
   return refine_outlines(map, drawn, learn_boundary(map, drawn, options), options);
 }
 
-bool simple(const std::vector<Polygon>& outlines) {
-  std::vector<const Polygon*> all;
-  for (const Polygon& outline : outlines) all.push_back(&outline);
-  return !outline_fault(all);
-}
+bool simple(const std::vector<Polygon>& outlines) { return !outline_fault(outlines); }
 
 TEST(RefineOutlines, MovesToTheBoundaryFromBothSidesInDarkAndInBright) {
   const std::vector<Polygon> right = {circle(kCentre, 40.0, 300)};
