@@ -15,6 +15,7 @@ void add_info(CLI::App& app);
 void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_planes(CLI::App& app);
+void add_propagate(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_register(CLI::App& app);
 void add_reslice(CLI::App& app);
