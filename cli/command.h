@@ -16,6 +16,7 @@ void add_info(CLI::App& app);
 void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_planes(CLI::App& app);
+void add_propagate(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_record(CLI::App& app);
 void add_recover(CLI::App& app);

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   fathom::add_segment(app);
   fathom::add_sweeps(app);
   fathom::add_planes(app);
+  fathom::add_propagate(app);
   fathom::add_measure(app);
   fathom::add_surface(app);
   fathom::add_reslice(app);

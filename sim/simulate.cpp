@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kMm3PerMl = 1000.0;
 constexpr double kMm2PerCm2 = 100.0;
+constexpr double kTouch_mm = 1e-6;    // planes of contact touch to 1e-9 mm
 constexpr int kFramesPerReport = 64;  // outlined in some tenths of a second
 
 void require_within(const char* what, double value, double low, double high, const char* unit) {
@@ -41,13 +42,20 @@ class SimulatedRecording final : public Recording {
         phantom_(std::move(phantom)),
         phantom_from_image_(std::move(phantom_from_image)),
         speckle_(std::move(speckle)) {
-    if (speckle_) field_.emplace(*speckle_);
+    if (!speckle_) return;
+    if (phantom_.bodies.empty()) {
+      field_.emplace(*speckle_);
+    } else {
+      scene_.emplace(phantom_.bodies, speckle_->seed);
+    }
   }
 
   cv::Mat image(int frame) const override {
     require_frame(frame);
     const Eigen::Affine3d& phantom_from_image = phantom_from_image_[static_cast<std::size_t>(frame)];
-    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, {header().width, header().height});
+    const cv::Size size(header().width, header().height);
+    if (scene_) return scene_->image(phantom_from_image, size);
+    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, size);
     return field_ ? speckled_image(*field_, *speckle_, inside, phantom_from_image) : inside;
   }
 
@@ -56,6 +64,7 @@ class SimulatedRecording final : public Recording {
   std::vector<Eigen::Affine3d> phantom_from_image_;
   std::optional<SpeckleOptions> speckle_;
   std::optional<SpeckleField> field_;
+  std::optional<Scene> scene_;
 };
 
 RecordingHeader recorded_header(const ProbeMotion& motion, cv::Size image_size) {
@@ -87,35 +96,39 @@ std::vector<std::optional<Eigen::Vector3d>> touching_points(const ScanPlan& plan
   return points;
 }
 
-std::vector<Contour> outlines_of_plane(const Phantom& phantom, const ScanPlan& plan,
+std::vector<Contour> outlines_of_plane(const Solid& solid, const ScanPlan& plan,
                                        const Eigen::Affine3d& phantom_from_image) {
-  if (plan.cuts_off) return image_outlines(*phantom.solid, phantom_from_image, plan.image_size);
+  if (plan.cuts_off) return image_outlines(solid, phantom_from_image, plan.image_size);
   std::vector<Contour> contours;
-  for (Polygon& outline : section_outlines(*phantom.solid, phantom_from_image)) {
+  for (Polygon& outline : section_outlines(solid, phantom_from_image)) {
     contours.emplace_back().points_px = std::move(outline);
   }
   return contours;
 }
 
-Structure true_outlines(const Phantom& phantom, const ScanPlan& plan, const ProbeMotion& motion, bool steady,
+Structure true_outlines(const PhantomPart& part, const ScanPlan& plan, const ProbeMotion& motion, bool steady,
                         const Progress& progress) {
   const int count = static_cast<int>(motion.times_s.size());
   std::vector<std::optional<Eigen::Vector3d>> touches(motion.times_s.size());
   if (steady) touches = touching_points(plan, motion);  // an unsteady plane cuts or misses
+  for (auto& touch : touches) {
+    if (touch && part.solid->distance_bound_mm(*touch) > kTouch_mm)
+      touch.reset();  // it is another part that is touched
+  }
   std::vector<std::vector<Contour>> outlines(static_cast<std::size_t>(count));
   for (int first = 0; first < count; first += kFramesPerReport) {
     report(progress, static_cast<double>(first) / count);
     cv::parallel_for_(cv::Range(first, std::min(count, first + kFramesPerReport)), [&](const cv::Range& range) {
       for (int frame = range.start; frame < range.end; ++frame) {
         const auto i = static_cast<std::size_t>(frame);
-        if (!touches[i]) outlines[i] = outlines_of_plane(phantom, plan, motion.phantom_from_image[i]);
+        if (!touches[i]) outlines[i] = outlines_of_plane(*part.solid, plan, motion.phantom_from_image[i]);
       }
     });
   }
   report(progress, 1.0);
 
   Structure structure;
-  structure.name = phantom.name;
+  structure.name = part.name;
   for (int frame = 0; frame < count; ++frame) {
     const auto i = static_cast<std::size_t>(frame);
     if (touches[i]) {
@@ -157,10 +170,12 @@ SimulatedScan simulate(const SimulateOptions& options, const Progress& progress)
   scan.calibration = simulated_calibration(phantom, plan.image_size, options.latency_s);
   ProbeMotion motion = move_probe(plan, phantom, scan.calibration, options);
   const bool steady = options.jitter_mm == 0.0 && options.jitter_deg == 0.0;
-  scan.outlines = {true_outlines(phantom, plan, motion, steady, progress)};
+  for (const PhantomPart& part : phantom.parts) {
+    scan.outlines.push_back(true_outlines(part, plan, motion, steady, progress));
+    scan.truth.structures.push_back({part.name, part.solid->volume_mm3() / kMm3PerMl});
+  }
   scan.truth.volume_ml = phantom.solid->volume_mm3() / kMm3PerMl;
   scan.truth.surface_area_cm2 = phantom.solid->area_mm2() / kMm2PerCm2;
-  scan.truth.structures = {{phantom.name, scan.truth.volume_ml}};
   RecordingHeader header = recorded_header(motion, plan.image_size);
   std::optional<SpeckleOptions> speckle = options.speckle;
   if (speckle) speckle->seed = options.seed;

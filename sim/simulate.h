@@ -35,7 +35,8 @@ struct SimulateOptions {
   double noise_deg = 0.0;  ///< 3D rms in orientation
   double latency_s = 0.0;  ///< the tracker's stamps lag the image's by this much
   /// B-scans with speckle, as a scanner shows them; else 255 inside the object and 0 outside. Its `seed` is not used:
-  /// the texture follows `seed` above.
+  /// the texture follows `seed` above. Objects with a look of their own (Phantom::bodies) are shown as a Scene,
+  /// whatever is asked for here.
   std::optional<SpeckleOptions> speckle;
 
   /// Throws Error, naming what there is to choose from, when a value is out of range.
