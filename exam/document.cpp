@@ -1,0 +1,257 @@
+#include "exam/document.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/printable.h"
+#include "exam/make_exam.h"
+#include "exam/scan_division.h"
+#include "registration/calibration.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr std::array<std::string Exam::*, kExamTexts> kTexts{&Exam::patient, &Exam::operator_name, &Exam::date,
+                                                             &Exam::notes};
+
+std::vector<Structure> read_outlines(const std::filesystem::path& file, const Scan& scan) {
+  if (file.empty()) return {};
+  std::vector<Structure> structures = read_contours(file);
+  require_measurable(structures, frame_counts(scan), OpenContours::kAllow, file.string());
+  return structures;
+}
+
+}  // namespace
+
+Document::Document(const std::filesystem::path& path, const DocumentOptions& options)
+    : options_(options), history_(options.history_bytes) {
+  is_exam(path) ? open_exam(path) : open_recording_alone(path);
+  touch_all();
+}
+
+Document::~Document() = default;
+
+void Document::open_exam(const std::filesystem::path& path) {
+  exam_ = read_exam(path);
+  for (const std::string& name : exam_.recordings) recordings_.push_back(file_of(exam_, name));
+  if (!exam_.calibration.empty()) calibration_ = file_of(exam_, exam_.calibration);
+  calibrated_ = !calibration_.empty();
+  const Calibration calibration = calibrated_ ? read_calibration(calibration_, options_.names.probe) : Calibration();
+  scan_ = std::make_shared<const Scan>(open_scan(exam_, calibration, options_.names));
+  set_content(
+      read_outlines(exam_.structures.empty() ? std::filesystem::path() : file_of(exam_, exam_.structures), *scan_));
+  for (std::size_t i = 0; i < kExamTexts; ++i) content_.texts[i] = exam_.*kTexts[i];
+  content_.sweeps = exam_.sweeps;
+  content_.planes = exam_.dividing_planes;
+  measured_ = measured_digest(content_);
+}
+
+void Document::open_recording_alone(const std::filesystem::path& path) {
+  recordings_ = {path};
+  calibration_ = options_.calibration;
+  calibrated_ = !calibration_.empty();
+  const Calibration calibration = calibrated_ ? read_calibration(calibration_, options_.names.probe) : Calibration();
+  scan_ = std::make_shared<const Scan>(open_scan(path, calibration, options_.names));
+  set_content(read_outlines(options_.contours, *scan_));
+  unsaved_setup_ = calibrated_ || !content_.structures.empty();
+}
+
+void Document::set_content(std::vector<Structure> structures) {
+  for (Structure& structure : structures) {
+    put_in_order(structure);
+    content_.ids.push_back(next_id_++);
+  }
+  content_.structures = std::move(structures);
+}
+
+std::string Document::title() const {
+  const std::filesystem::path path = has_folder() ? std::filesystem::absolute(exam_.folder) : recordings_.front();
+  const std::filesystem::path normal = path.lexically_normal();
+  return printable((normal.has_filename() ? normal : normal.parent_path()).filename().string());
+}
+
+std::optional<std::size_t> Document::index_of(std::uint64_t id) const {
+  const auto found = std::find(content_.ids.begin(), content_.ids.end(), id);
+  if (found == content_.ids.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - content_.ids.begin());
+}
+
+const std::optional<Division>& Document::division() const {
+  // Where nothing is stated, whether the scan is one sweep depends on where outlines are.
+  const bool stated = !content_.sweeps.empty() || !content_.planes.empty() || scan_->recordings.size() > 1;
+  const std::uint64_t now = stated ? std::max(division_revision_, placement_revision_) : revision_;
+  if (division_of_ != now) {
+    division_ = division_of({content_.sweeps, content_.planes}, *scan_, content_.structures);
+    division_of_ = now;
+  }
+  return division_;
+}
+
+bool Document::is_modified() const {
+  return unsaved_setup_ || history_.state() != saved_ || (open_ && !open_->changes.empty());
+}
+
+void Document::begin_action(std::string name) {
+  end_action();
+  open_ = Edit{std::move(name), {}};
+}
+
+bool Document::end_action() {
+  if (!open_) return false;
+  Edit edit = std::move(*open_);
+  open_.reset();
+  if (edit.changes.empty()) return false;
+  finish(std::move(edit));
+  return true;
+}
+
+void Document::cancel_action() {
+  if (!open_) return;
+  const bool undone = apply(*open_, Direction::kUndo, content_);
+  assert(undone);
+  static_cast<void>(undone);
+  for (const Change& change : open_->changes) touch(change);
+  open_.reset();
+}
+
+void Document::finish(Edit edit) { history_.push(std::make_shared<const Edit>(std::move(edit))); }
+
+void Document::change(const char* name, Change change) {
+  if (is_nothing(change)) return;
+  const bool done = apply(change, Direction::kDo, content_);
+  assert(done);
+  static_cast<void>(done);
+  touch(change);
+  if (open_) {
+    add_change(std::move(change), *open_);
+  } else {
+    Edit edit{name, {}};
+    edit.changes.push_back(std::move(change));
+    finish(std::move(edit));
+  }
+}
+
+void Document::touch(const Change& change) {
+  ++revision_;
+  if (std::holds_alternative<DivisionChange>(change)) division_revision_ = revision_;
+  if (std::holds_alternative<TextChange>(change)) return;
+  std::visit(
+      [&](const auto& c) {
+        if constexpr (requires { c.structure; }) {
+          structure_revisions_[c.structure] = revision_;
+        } else if constexpr (requires { c.id; }) {
+          // Others move to other indices, so that all of them have changed for a view that goes by these.
+          structure_revisions_.assign(content_.structures.size(), revision_);
+        }
+      },
+      change);
+}
+
+void Document::touch_all() {
+  structure_revisions_.assign(content_.structures.size(), ++revision_);
+  division_revision_ = placement_revision_ = revision_;
+}
+
+std::optional<std::string> Document::undo_name() const {
+  if (open_ && !open_->changes.empty()) return open_->name;
+  const auto edit = history_.to_undo();
+  return edit ? std::optional(edit->name) : std::nullopt;
+}
+
+std::optional<std::string> Document::redo_name() const {
+  const auto edit = history_.to_redo();
+  return edit ? std::optional(edit->name) : std::nullopt;
+}
+
+bool Document::undo() {
+  end_action();
+  const auto edit = history_.to_undo();
+  if (!edit) return false;
+  if (!apply(*edit, Direction::kUndo, content_)) throw Error(title() + ": the history does not fit; this is a fault");
+  history_.step_back();
+  for (const Change& change : edit->changes) touch(change);
+  return true;
+}
+
+bool Document::redo() {
+  end_action();
+  const auto edit = history_.to_redo();
+  if (!edit) return false;
+  if (!apply(*edit, Direction::kDo, content_)) throw Error(title() + ": the history does not fit; this is a fault");
+  history_.step_forward();
+  for (const Change& change : edit->changes) touch(change);
+  return true;
+}
+
+void Document::set_calibration(const std::filesystem::path& file) {
+  const Calibration calibration = read_calibration(file, options_.names.probe);
+  Exam placed = exam_;
+  placed.sweeps = content_.sweeps;
+  scan_ = std::make_shared<const Scan>(has_folder() ? open_scan(placed, calibration, options_.names)
+                                                    : open_scan(recordings_.front(), calibration, options_.names));
+  calibration_ = file;
+  calibrated_ = true;
+  unsaved_setup_ = true;
+  exam_.results = nullptr;
+  touch_all();
+}
+
+void Document::set_results(const nlohmann::json& results) {
+  exam_.results = results;
+  measured_ = measured_digest(content_);
+  unsaved_setup_ = true;
+}
+
+Exam Document::exam_to_save() const {
+  Exam exam = exam_;
+  for (std::size_t i = 0; i < kExamTexts; ++i) exam.*kTexts[i] = content_.texts[i];
+  exam.sweeps = content_.sweeps;
+  exam.dividing_planes = content_.planes;
+  if (measured_digest(content_) != measured_) exam.results = nullptr;
+  return exam;
+}
+
+void Document::save() {
+  end_action();
+  if (!has_folder()) throw Error(title() + ": is no exam yet; save it as one, in a folder of its own");
+  Exam exam = exam_to_save();
+  if (exam.structures.empty() && !content_.structures.empty()) exam.structures = "contours.json";
+  AtomicFile description(exam_json(exam));
+  description.write(exam_text(exam));
+  if (exam.structures.empty()) {
+    description.commit();
+  } else {
+    AtomicFile contours(exam.folder / exam.structures);
+    contours.write(contours_json(content_.structures));
+    AtomicFile::commit_all({&contours, &description});
+  }
+  exam.document = nlohmann::json::parse(exam_text(exam));
+  exam_ = std::move(exam);
+  saved_ = history_.state();
+  unsaved_setup_ = false;
+}
+
+void Document::save_as(const std::filesystem::path& folder, const Progress& progress) {
+  end_action();
+  Exam exam = exam_to_save();
+  exam.folder = folder;
+  ExamParts parts;
+  parts.recordings = recordings_;
+  parts.calibration = calibration_;
+  parts.contours_text = contours_json(content_.structures);
+  exam = create_exam(std::move(exam), parts, progress);
+  exam.document = nlohmann::json::parse(exam_text(exam));
+  // The recordings that are open are the same, byte for byte; from now on those of the folder count.
+  recordings_.clear();
+  for (const std::string& name : exam.recordings) recordings_.push_back(file_of(exam, name));
+  if (!exam.calibration.empty()) calibration_ = file_of(exam, exam.calibration);
+  exam_ = std::move(exam);
+  saved_ = history_.state();
+  unsaved_setup_ = false;
+}
+
+}  // namespace fathom
