@@ -55,6 +55,15 @@ class Intake {
     return copy(file);
   }
 
+  std::string text(const std::string& stem, const std::string& text) {
+    const std::string name = free_name(stem, ".json");
+    write_text_file(staged_.path() / name, text);
+    return name;
+  }
+
+  // Under this very name, also where there is such a file.
+  void fixed_text(const std::string& name, const std::string& text) { write_text_file(staged_.path() / name, text); }
+
   void finish(const Exam& exam) {
     for (const std::string& name : exam.recordings) require_storable(name);
     require_storable(exam.calibration);
@@ -141,8 +150,8 @@ Exam put_in(Exam exam, const ExamParts& parts, const Progress& progress) {
   }
   if (!parts.calibration.empty()) exam.calibration = intake.document(parts.calibration);
   if (!parts.contours.empty()) exam.structures = intake.document(parts.contours);
-  // What was measured was measured of other inputs.
-  if (!parts.recordings.empty() || !parts.calibration.empty() || !parts.contours.empty()) exam.results = nullptr;
+  if (parts.contours_text) exam.structures = intake.text("contours", *parts.contours_text);
+  if (parts.history_text) intake.fixed_text(kHistoryFile, *parts.history_text);
   take(parts.patient, exam.patient);
   take(parts.operator_name, exam.operator_name);
   take(parts.date, exam.date);
@@ -154,16 +163,26 @@ Exam put_in(Exam exam, const ExamParts& parts, const Progress& progress) {
 }  // namespace
 
 Exam create_exam(const std::filesystem::path& folder, const ExamParts& parts, const Progress& progress) {
-  if (is_exam(folder)) {
-    throw Error(folder.string() + ": holds an exam already; change it by `fathom exam update`, or name another folder");
-  }
-  if (parts.recordings.empty()) throw Error(folder.string() + ": an exam needs a recording; name at least one");
   Exam exam;
   exam.folder = folder;
+  return create_exam(std::move(exam), parts, progress);
+}
+
+Exam create_exam(Exam exam, const ExamParts& parts, const Progress& progress) {
+  const std::string folder = exam.folder.string();
+  if (is_exam(exam.folder)) {
+    throw Error(folder + ": holds an exam already; change it by `fathom exam update`, or name another folder");
+  }
+  if (parts.recordings.empty()) throw Error(folder + ": an exam needs a recording; name at least one");
+  exam.recordings.clear();
+  exam.calibration.clear();
+  exam.structures.clear();
   return put_in(std::move(exam), parts, progress);
 }
 
 Exam update_exam(Exam exam, const ExamParts& parts, const Progress& progress) {
+  // What was measured was measured of other inputs.
+  if (!parts.recordings.empty() || !parts.calibration.empty() || !parts.contours.empty()) exam.results = nullptr;
   return put_in(std::move(exam), parts, progress);
 }
 
