@@ -22,5 +22,6 @@ void add_segment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_surface(CLI::App& app);
 void add_sweeps(CLI::App& app);
+void add_view(CLI::App& app);
 
 }  // namespace fathom

@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   fathom::add_calibrate(app);
   fathom::add_register(app);
   fathom::add_demo(app);
+  fathom::add_view(app);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,107 @@
+#include <nlohmann/json.hpp>
+
+#include "exam/document.h"
+#include "viewer/application.h"
+
+namespace fathom {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json points_json(const std::vector<Eigen::Vector2d>& points) {
+  Json json = Json::array();
+  for (const Eigen::Vector2d& point : points) json.push_back({point.x(), point.y()});
+  return json;
+}
+
+Json structure_json(const Session& session, std::size_t index) {
+  const Document& document = *session.document();
+  const Structure& structure = document.structures()[index];
+  Json json{{"name", structure.name}, {"color", structure.color}};
+  json["contours"] = Json::array();
+  for (const Contour& contour : structure.contours) {
+    json["contours"].push_back({{"recording", contour.recording},
+                                {"frame", contour.frame},
+                                {"closed", contour.closed},
+                                {"points", points_json(contour.points_px)}});
+  }
+  json["absent"] = Json::array();
+  for (const AbsentMark& mark : structure.absent) json["absent"].push_back(mark.frame);
+  json["extremities"] = Json::array();
+  for (const Extremity& extremity : structure.extremities) json["extremities"].push_back(extremity.frame);
+  const StructureView* view = session.structures().find(document.content().ids[index]);
+  if (view == nullptr) return json;
+  json["sections"] = view->sections.size();
+  json["volume_ml"] = number_or_null(view->volumes.cubic_ml);
+  json["volume_before_ml"] = number_or_null(view->volume_before_ml);
+  json["surface_ml"] = number_or_null(view->surface_ml);
+  json["triangles"] = view->mesh ? view->mesh->triangles.size() : 0;
+  json["layers_made"] = view->layers_made;
+  json["error"] = view->error;
+  json["surface_error"] = view->surface_error;
+  json["warnings"] = view->warnings;
+  return json;
+}
+
+Json document_json(const Session& session) {
+  const Document& document = *session.document();
+  Json json{{"title", document.title()},
+            {"folder", document.exam().folder.string()},
+            {"calibrated", document.is_calibrated()},
+            {"modified", document.is_modified()},
+            {"edits", document.history().edits().size()},
+            {"edits_done", document.history().done()},
+            {"history_bytes", document.history().bytes()},
+            {"content_digest", std::to_string(content_digest(document.content()))},
+            {"contours_text", contours_json(document.structures())}};
+  json["texts"] = document.content().texts;
+  json["planes"] = Json::array();
+  for (const DividingPlane& plane : document.content().planes) {
+    json["planes"].push_back(
+        {{"normal", {plane.normal().x(), plane.normal().y(), plane.normal().z()}}, {"offset_mm", -plane.offset()}});
+  }
+  json["structures"] = Json::array();
+  for (std::size_t i = 0; i < document.structures().size(); ++i)
+    json["structures"].push_back(structure_json(session, i));
+  return json;
+}
+
+Json view_json(const Session& session) {
+  const ViewState& view = session.view;
+  Json json{{"recording", view.recording},
+            {"frame", view.frame},
+            {"frames", session.frame_count()},
+            {"structure", view.structure},
+            {"tool", static_cast<int>(view.tool)},
+            {"brush_px", view.brush_px},
+            {"level", view.level},
+            {"window", view.window},
+            {"zoom", view.zoom},
+            {"line", points_json(view.line_px)},
+            {"ruler", points_json(view.ruler_px)},
+            {"ruler_text", ruler_text(session)}};
+  return json;
+}
+
+}  // namespace
+
+std::string state_json(const Session& session, const Settings& settings) {
+  Json json;
+  json["document"] = session.document() != nullptr ? document_json(session) : Json(nullptr);
+  json["view"] = view_json(session);
+  json["messages"] = Json::array();
+  for (const Message& message : session.messages()) {
+    json["messages"].push_back({{"about", message.about}, {"text", message.text}, {"is_error", message.is_error}});
+  }
+  json["jobs"] = Json::array();
+  for (const JobStatus& job : session.worker().jobs()) json["jobs"].push_back(job.key);
+  json["settings"] = {{"dark", settings.dark},     {"scale", settings.scale}, {"left", settings.left},
+                      {"middle", settings.middle}, {"upper", settings.upper}, {"main", settings.main},
+                      {"recent", settings.recent}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace fathom
