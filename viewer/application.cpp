@@ -150,7 +150,7 @@ void Application::write_picture(const std::filesystem::path& file, const std::st
 }
 
 void Application::write_state(const std::filesystem::path& file) const {
-  write_text_file(file, state_json(session_, settings_));
+  write_text_file(file, state_json(session_, reslice_.views(), settings_));
 }
 
 // What a frame of the interface costs the main thread, without what the driver draws with it.

@@ -10,6 +10,7 @@
 #include "viewer/file_dialog.h"
 #include "viewer/measurements_pane.h"
 #include "viewer/outline_pane.h"
+#include "viewer/reslice_pane.h"
 #include "viewer/review_pane.h"
 #include "viewer/session.h"
 #include "viewer/settings.h"
@@ -62,6 +63,7 @@ class Application {
   Session session_;
   ReviewPane review_;
   OutlinePane outline_;
+  ReslicePane reslice_;
   MeasurementsPane measurements_;
   FileDialog files_;
   std::vector<Action> actions_;
@@ -76,6 +78,6 @@ class Application {
 std::vector<Action> make_actions(Application& application);
 
 /// The state of the model as a script's `dump` writes it: a JSON text.
-std::string state_json(const Session& session, const Settings& settings);
+std::string state_json(const Session& session, const ResliceViews& reslices, const Settings& settings);
 
 }  // namespace fathom

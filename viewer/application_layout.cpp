@@ -118,6 +118,11 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
     outline_.draw(session_);
     ImGui::EndChild();
   }
+  if (settings_.show_reslice) {
+    begin_pane("Reslice", {low.x, low.y + upper}, {inner, size.y - upper});
+    reslice_.draw(session_);
+    ImGui::EndChild();
+  }
   if (both) ui::splitter("split:upper", false, {low.x, low.y + upper - bar}, inner, size.y, settings_.upper);
   if (middle && last) {
     ui::splitter("split:middle", true, {low.x + width - bar, low.y}, size.y, size.x, settings_.middle);

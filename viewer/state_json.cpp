@@ -88,10 +88,20 @@ Json view_json(const Session& session) {
 
 }  // namespace
 
-std::string state_json(const Session& session, const Settings& settings) {
+std::string state_json(const Session& session, const ResliceViews& reslices, const Settings& settings) {
   Json json;
   json["document"] = session.document() != nullptr ? document_json(session) : Json(nullptr);
   json["view"] = view_json(session);
+  json["reslices"] = Json::array();
+  for (std::size_t i = 0; i < ResliceViews::kCount; ++i) {
+    const ResliceViews::View& view = reslices.view(i);
+    const Eigen::Vector3d centre = view.plane.centre_mm;
+    const Eigen::Vector3d normal = view.plane.normal();
+    json["reslices"].push_back({{"centre_mm", {centre.x(), centre.y(), centre.z()}},
+                                {"normal", {normal.x(), normal.y(), normal.z()}},
+                                {"picture", view.number},
+                                {"error", view.error}});
+  }
   json["messages"] = Json::array();
   for (const Message& message : session.messages()) {
     json["messages"].push_back({{"about", message.about}, {"text", message.text}, {"is_error", message.is_error}});
