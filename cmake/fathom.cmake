@@ -41,7 +41,8 @@ function(fathom_library folder)
 endfunction()
 
 # fathom_test(<folder> SOURCES ... LINK ...): the program <folder>_test, one ctest entry per test case.
-# Cases whose suite name ends in "Study" are long runs labelled `study`; all others are labelled `ci`.
+# Cases whose suite name ends in "Study" are long runs labelled `study` (not run under the sanitizers); all others are
+# labelled `ci`.
 function(fathom_test folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
   add_executable(${folder}_test ${arg_SOURCES})
@@ -49,6 +50,17 @@ function(fathom_test folder)
   fathom_target_defaults(${folder}_test)
   fathom_build_fast(${folder}_test)
   fathom_check_memory_only(${folder}_test)
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    # To start a program under the sanitizers takes longer than most cases: a few entries share the cases among them.
+    set(shares 4)
+    math(EXPR last "${shares} - 1")
+    foreach(share RANGE ${last})
+      add_test(NAME "${folder}_test.${share}" COMMAND ${folder}_test --gtest_brief=1 --gtest_filter=-*Study.*)
+      set_tests_properties("${folder}_test.${share}" PROPERTIES LABELS ci TIMEOUT 900 COST 50
+        ENVIRONMENT "GTEST_TOTAL_SHARDS=${shares};GTEST_SHARD_INDEX=${share}")
+    endforeach()
+    return()
+  endif()
   include(GoogleTest)
   gtest_discover_tests(${folder}_test TEST_FILTER "-*Study.*" DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS ci TIMEOUT 300)
