@@ -13,61 +13,6 @@
 
 namespace fathom {
 
-namespace {
-
-constexpr std::array<std::string Exam::*, kExamTexts> kTexts{&Exam::patient, &Exam::operator_name, &Exam::date,
-                                                             &Exam::notes};
-
-std::vector<Structure> read_outlines(const std::filesystem::path& file, const Scan& scan) {
-  if (file.empty()) return {};
-  std::vector<Structure> structures = read_contours(file);
-  require_measurable(structures, frame_counts(scan), OpenContours::kAllow, file.string());
-  return structures;
-}
-
-}  // namespace
-
-Document::Document(const std::filesystem::path& path, const DocumentOptions& options)
-    : options_(options), history_(options.history_bytes) {
-  is_exam(path) ? open_exam(path) : open_recording_alone(path);
-  touch_all();
-}
-
-Document::~Document() = default;
-
-void Document::open_exam(const std::filesystem::path& path) {
-  exam_ = read_exam(path);
-  for (const std::string& name : exam_.recordings) recordings_.push_back(file_of(exam_, name));
-  if (!exam_.calibration.empty()) calibration_ = file_of(exam_, exam_.calibration);
-  calibrated_ = !calibration_.empty();
-  const Calibration calibration = calibrated_ ? read_calibration(calibration_, options_.names.probe) : Calibration();
-  scan_ = std::make_shared<const Scan>(open_scan(exam_, calibration, options_.names));
-  set_content(
-      read_outlines(exam_.structures.empty() ? std::filesystem::path() : file_of(exam_, exam_.structures), *scan_));
-  for (std::size_t i = 0; i < kExamTexts; ++i) content_.texts[i] = exam_.*kTexts[i];
-  content_.sweeps = exam_.sweeps;
-  content_.planes = exam_.dividing_planes;
-  measured_ = measured_digest(content_);
-}
-
-void Document::open_recording_alone(const std::filesystem::path& path) {
-  recordings_ = {path};
-  calibration_ = options_.calibration;
-  calibrated_ = !calibration_.empty();
-  const Calibration calibration = calibrated_ ? read_calibration(calibration_, options_.names.probe) : Calibration();
-  scan_ = std::make_shared<const Scan>(open_scan(path, calibration, options_.names));
-  set_content(read_outlines(options_.contours, *scan_));
-  unsaved_setup_ = calibrated_ || !content_.structures.empty();
-}
-
-void Document::set_content(std::vector<Structure> structures) {
-  for (Structure& structure : structures) {
-    put_in_order(structure);
-    content_.ids.push_back(next_id_++);
-  }
-  content_.structures = std::move(structures);
-}
-
 std::string Document::title() const {
   const std::filesystem::path path = has_folder() ? std::filesystem::absolute(exam_.folder) : recordings_.front();
   const std::filesystem::path normal = path.lexically_normal();
@@ -98,6 +43,7 @@ bool Document::is_modified() const {
 void Document::begin_action(std::string name) {
   end_action();
   open_ = Edit{std::move(name), {}};
+  open_kept_ = std::chrono::steady_clock::now();
 }
 
 bool Document::end_action() {
@@ -116,9 +62,14 @@ void Document::cancel_action() {
   static_cast<void>(undone);
   for (const Change& change : open_->changes) touch(change);
   open_.reset();
+  // What the journal may hold of the action is void.
+  if (autosave_) journal(JournalStep::kOpen, std::make_shared<const Edit>());
 }
 
-void Document::finish(Edit edit) { history_.push(std::make_shared<const Edit>(std::move(edit))); }
+void Document::finish(Edit edit) {
+  history_.push(std::make_shared<const Edit>(std::move(edit)));
+  journal(JournalStep::kDone, history_.to_undo());
+}
 
 void Document::change(const char* name, Change change) {
   if (is_nothing(change)) return;
@@ -173,6 +124,7 @@ bool Document::undo() {
   if (!edit) return false;
   if (!apply(*edit, Direction::kUndo, content_)) throw Error(title() + ": the history does not fit; this is a fault");
   history_.step_back();
+  journal(JournalStep::kUndone, edit);
   for (const Change& change : edit->changes) touch(change);
   return true;
 }
@@ -183,6 +135,7 @@ bool Document::redo() {
   if (!edit) return false;
   if (!apply(*edit, Direction::kDo, content_)) throw Error(title() + ": the history does not fit; this is a fault");
   history_.step_forward();
+  journal(JournalStep::kRedone, edit);
   for (const Change& change : edit->changes) touch(change);
   return true;
 }
@@ -196,62 +149,18 @@ void Document::set_calibration(const std::filesystem::path& file) {
   calibration_ = file;
   calibrated_ = true;
   unsaved_setup_ = true;
+  ++setup_;
   exam_.results = nullptr;
   touch_all();
+  std::error_code code;
+  journal(JournalStep::kCalibration, nullptr, std::filesystem::absolute(file, code).string());
 }
 
 void Document::set_results(const nlohmann::json& results) {
   exam_.results = results;
   measured_ = measured_digest(content_);
   unsaved_setup_ = true;
-}
-
-Exam Document::exam_to_save() const {
-  Exam exam = exam_;
-  for (std::size_t i = 0; i < kExamTexts; ++i) exam.*kTexts[i] = content_.texts[i];
-  exam.sweeps = content_.sweeps;
-  exam.dividing_planes = content_.planes;
-  if (measured_digest(content_) != measured_) exam.results = nullptr;
-  return exam;
-}
-
-void Document::save() {
-  end_action();
-  if (!has_folder()) throw Error(title() + ": is no exam yet; save it as one, in a folder of its own");
-  Exam exam = exam_to_save();
-  if (exam.structures.empty() && !content_.structures.empty()) exam.structures = "contours.json";
-  AtomicFile description(exam_json(exam));
-  description.write(exam_text(exam));
-  if (exam.structures.empty()) {
-    description.commit();
-  } else {
-    AtomicFile contours(exam.folder / exam.structures);
-    contours.write(contours_json(content_.structures));
-    AtomicFile::commit_all({&contours, &description});
-  }
-  exam.document = nlohmann::json::parse(exam_text(exam));
-  exam_ = std::move(exam);
-  saved_ = history_.state();
-  unsaved_setup_ = false;
-}
-
-void Document::save_as(const std::filesystem::path& folder, const Progress& progress) {
-  end_action();
-  Exam exam = exam_to_save();
-  exam.folder = folder;
-  ExamParts parts;
-  parts.recordings = recordings_;
-  parts.calibration = calibration_;
-  parts.contours_text = contours_json(content_.structures);
-  exam = create_exam(std::move(exam), parts, progress);
-  exam.document = nlohmann::json::parse(exam_text(exam));
-  // The recordings that are open are the same, byte for byte; from now on those of the folder count.
-  recordings_.clear();
-  for (const std::string& name : exam.recordings) recordings_.push_back(file_of(exam, name));
-  if (!exam.calibration.empty()) calibration_ = file_of(exam, exam.calibration);
-  exam_ = std::move(exam);
-  saved_ = history_.state();
-  unsaved_setup_ = false;
+  ++setup_;
 }
 
 }  // namespace fathom

@@ -1,13 +1,14 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "exam/autosave.h"
 #include "exam/edit.h"
 #include "exam/exam.h"
 #include "exam/history.h"
@@ -22,6 +23,23 @@ struct DocumentOptions {
   std::filesystem::path calibration;  ///< of a recording without exam; empty: none
   std::filesystem::path contours;     ///< to begin with, of a recording without exam; empty: none
   std::size_t history_bytes = std::size_t{256} << 20;
+  bool autosave = true;  ///< false: a crash loses what was not saved
+};
+
+/// A document on its way to the disk: made by Document::begin_save, written by any thread, reported to finish_save.
+struct PendingSave {
+  Exam exam;  ///< with the folder to save to
+  ExamContent content;
+  History history;
+  std::uint64_t setup = 0;
+  bool is_new = false;                            ///< the folder is to become an exam
+  std::vector<std::filesystem::path> recordings;  ///< of a new one
+  std::filesystem::path calibration;              ///< to be copied into the folder; empty: stays as it is
+  bool outlines_changed = false;
+  std::shared_ptr<Autosave> autosave;
+
+  /// Throws Error, with the old files as they were; Cancelled.
+  void write(const Progress& progress = {});
 };
 
 /// One exam, or one recording that is no exam yet, being looked at and edited. Frames stay in the recordings' files.
@@ -143,12 +161,28 @@ class Document {
   /// Results of the exam as it is now, to be saved with it; dropped at the next change of what they depend on.
   void set_results(const nlohmann::json& results);
 
-  /// Writes exam.json, the contours and the history, all or none. Throws Error, with the old files as they were, also
-  /// where the document has no folder.
+  // Saving: by one call, or in three steps of which the second, PendingSave::write, may run beside the main thread.
+
+  /// Throws Error where the document has no folder.
+  std::shared_ptr<PendingSave> begin_save();
+  /// To make an exam in `folder`, which must not hold one, and go on with that. Recordings and calibration are copied
+  /// into the folder, unless they lie there already, so that it can be moved as it is.
+  std::shared_ptr<PendingSave> begin_save_as(const std::filesystem::path& folder);
+  /// Once it is written. What was edited meanwhile is still to be saved.
+  void finish_save(const PendingSave& saved);
+  /// exam.json, the contours and the history, all or none. Throws Error as PendingSave::write.
   void save();
-  /// Makes an exam of it in `folder`, which must not hold one, and goes on with that. Recordings and calibration are
-  /// copied into the folder, unless they lie there already, so that it can be moved as it is. Throws Error, Cancelled.
   void save_as(const std::filesystem::path& folder, const Progress& progress = {});
+
+  // Work that a crash left behind: to be asked for after opening. A clean end of the document removes its journal.
+
+  /// Empty where there is none, or the exam is open in another window.
+  const std::optional<UnsavedWork>& unsaved_work() const { return unsaved_; }
+  /// Does it again; it can be undone as before. Throws Error, with nothing changed, where it does not fit.
+  void recover();
+  void discard_unsaved();
+  /// To be called now and then, at least every second: keeps long actions safe, and looks for faults of the disk.
+  void poll();
 
  private:
   void open_exam(const std::filesystem::path& path);
@@ -167,6 +201,13 @@ class Document {
   void replace_points(const char* name, std::size_t structure, std::size_t contour, Polygon points_px);
   std::vector<Sweep> stated_sweeps() const;
   Exam exam_to_save() const;
+  void load_history();
+  void find_unsaved();
+  void open_journal();
+  void drop_journal();
+  void journal(JournalStep step, History::Item edit, std::string text = {});
+  void journal_since(const History::Item& state);
+  void set_base();
 
   DocumentOptions options_;
   Exam exam_;
@@ -176,10 +217,17 @@ class Document {
   bool calibrated_ = false;
   ExamContent content_;
   History history_;
-  History::Item saved_;         ///< History::state when it was saved
-  bool unsaved_setup_ = false;  ///< calibration or results changed, which the history does not know
-  std::uint64_t measured_ = 0;  ///< measured_digest that the results are of
-  std::optional<Edit> open_;    ///< the action under way
+  History::Item saved_;                 ///< History::state when it was saved
+  bool unsaved_setup_ = false;          ///< calibration or results changed, which the history does not know
+  std::uint64_t setup_ = 0;             ///< grows with them
+  std::uint64_t measured_ = 0;          ///< measured_digest that the results are of
+  std::optional<Edit> open_;            ///< the action under way
+  std::uint64_t outlines_on_disk_ = 0;  ///< outlines_digest of the contours file
+  JournalStart base_;                   ///< what is on the disk
+  std::shared_ptr<Autosave> autosave_;  ///< empty until something is edited, and where it cannot be kept
+  bool autosave_failed_ = false;        ///< said once
+  std::optional<UnsavedWork> unsaved_;
+  std::chrono::steady_clock::time_point open_kept_;  ///< when the open action was put into the journal last
   std::vector<std::string> messages_;
   std::uint64_t next_id_ = 1;
   std::uint64_t revision_ = 1;

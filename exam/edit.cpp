@@ -1,6 +1,7 @@
 #include "exam/edit.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
@@ -237,11 +238,21 @@ void put_in_order(Structure& structure) {
   for (Extremity& extremity : structure.extremities) extremity.point_px.array() += 0.0;
 }
 
+std::uint64_t outlines_digest(const ExamContent& content) {
+  return hash(contours_json(content.structures), kHashStart);
+}
+
 std::uint64_t content_digest(const ExamContent& content) {
-  std::uint64_t digest = hash(contours_json(content.structures), kHashStart);
+  std::uint64_t digest = outlines_digest(content);
   digest = hash(planes_json({content.sweeps, content.planes}), digest);
   for (const std::string& text : content.texts) digest = hash(std::string_view(text.c_str(), text.size() + 1), digest);
   return digest;
+}
+
+std::string digest_text(const ExamContent& content) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(content_digest(content)));
+  return digits;
 }
 
 std::uint64_t measured_digest(const ExamContent& content) {

@@ -34,6 +34,10 @@ void put_in_order(Structure& structure);
 
 /// A number that differs, as far as 64 bits can, where the saved files would: FNV-1a over their texts.
 std::uint64_t content_digest(const ExamContent& content);
+/// The same as sixteen hexadecimal digits, for files.
+std::string digest_text(const ExamContent& content);
+/// The same of the outlines alone, with names and colours.
+std::uint64_t outlines_digest(const ExamContent& content);
 /// The same of what volumes depend on: without the texts, names and colours.
 std::uint64_t measured_digest(const ExamContent& content);
 
