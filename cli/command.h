@@ -16,6 +16,8 @@ void add_isosurface(CLI::App& app);
 void add_measure(CLI::App& app);
 void add_planes(CLI::App& app);
 void add_reconstruct(CLI::App& app);
+void add_record(CLI::App& app);
+void add_recover(CLI::App& app);
 void add_register(CLI::App& app);
 void add_reslice(CLI::App& app);
 void add_segment(CLI::App& app);

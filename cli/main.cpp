@@ -35,6 +35,8 @@ int main(int argc, char** argv) {
   fathom::add_info(app);
   fathom::add_convert(app);
   fathom::add_simulate(app);
+  fathom::add_record(app);
+  fathom::add_recover(app);
   fathom::add_exam(app);
   fathom::add_segment(app);
   fathom::add_sweeps(app);
