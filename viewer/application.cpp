@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/text_file.h"
+#include "exam/state_folder.h"
 #include "viewer/script.h"
 #include "viewer/widgets.h"
 
@@ -35,12 +36,12 @@ Application::Application(const ViewerOptions& options)
     : settings_(read_settings(settings_file())),
       script_(options.script.empty() ? nullptr : std::make_unique<Script>(options.script)),
       window_(make_window(settings_, script_.get())),
-      session_([] { Window::wake(); }) {
-  actions_ = make_actions(*this);
+      session_([] { Window::wake(); }),
+      live_([] { Window::wake(); }) {
+  make_recent_actions();
   session_.on_opened = [this](const std::filesystem::path& path) {
-    std::error_code error;
-    const std::filesystem::path whole = std::filesystem::absolute(path, error);
-    add_recent(error ? path.string() : whole.lexically_normal().string(), settings_);
+    remember_recent(path);
+    make_recent_actions();
   };
   if (!options.open.empty()) {
     DocumentOptions document;
@@ -55,7 +56,7 @@ Application::~Application() = default;
 void Application::run() {
   while (!done_) {
     const bool waits = script_ == nullptr && frames_to_draw_ <= 0 && !window_->has_input();
-    window_->wait(waits ? (session_.busy() ? kBusyWait_s : kIdleWait_s) : 0.0);
+    window_->wait(waits ? (session_.busy() || live_.live().connected() ? kBusyWait_s : kIdleWait_s) : 0.0);
     if (window_->has_input()) frames_to_draw_ = 3;
     if (script_ && !run_script()) break;
     frame();
@@ -75,6 +76,7 @@ bool Application::run_script() {
   target.find = [this](const ScriptPoint& point) { return find(point); };
   target.push = [this](InputEvent event) { window_->push(std::move(event)); };
   target.busy = [this] { return busy(); };
+  target.queued = [this] { return window_->has_input(); };
   target.picture = [this](const std::filesystem::path& file, const std::string& item) { write_picture(file, item); };
   target.dump = [this](const std::filesystem::path& file) { write_state(file); };
   target.bench = [this](const std::filesystem::path& file, int frames) { write_bench(file, frames); };
@@ -113,6 +115,7 @@ void Application::frame() {
   draw_messages();
   draw_help(actions_, help_);
   files_.draw();
+  draw_recover_question();
   draw_close_question();
   window_->end_frame();
 }
@@ -129,6 +132,22 @@ void Application::open_dropped(const std::filesystem::path& path) {
   } else {
     session_.open(path);
   }
+}
+
+void Application::make_recent_actions() {
+  actions_ = make_actions(*this);
+  for (const std::filesystem::path& path : recent_files()) {
+    Action action;
+    action.menu = "Recent";
+    action.label = path.string();
+    action.run = [this, path] { session_.open(path); };
+    actions_.push_back(std::move(action));
+  }
+}
+
+void Application::show_live(bool on) {
+  live_shown_ = on;
+  frames_to_draw_ = 3;
 }
 
 void Application::write_picture(const std::filesystem::path& file, const std::string& item) const {
@@ -150,7 +169,7 @@ void Application::write_picture(const std::filesystem::path& file, const std::st
 }
 
 void Application::write_state(const std::filesystem::path& file) const {
-  write_text_file(file, state_json(session_, reslice_.views(), settings_));
+  write_text_file(file, state_json(session_, reslice_.views(), live_.live(), settings_));
 }
 
 // What a frame of the interface costs the main thread, without what the driver draws with it.
@@ -188,17 +207,12 @@ void Application::save() {
   Document* document = session_.document();
   if (document == nullptr) return;
   if (!document->has_folder()) return ask_save_as();
-  session_.attempt(document->title(), [&] { document->save(); });
+  session_.save();
 }
 
 void Application::ask_save_as() {
   if (session_.document() == nullptr) return;
-  files_.ask("Save as", "Save", "exam", [this](const std::filesystem::path& folder) {
-    session_.attempt(folder.filename().string(), [&] {
-      session_.document()->save_as(folder);
-      if (session_.on_opened) session_.on_opened(folder);
-    });
-  });
+  files_.ask("Save as", "Save", "exam", [this](const std::filesystem::path& folder) { session_.save_as(folder); });
 }
 
 void Application::close_or_ask() {

@@ -8,6 +8,7 @@
 
 #include "viewer/actions.h"
 #include "viewer/file_dialog.h"
+#include "viewer/live_pane.h"
 #include "viewer/measurements_pane.h"
 #include "viewer/outline_pane.h"
 #include "viewer/reslice_pane.h"
@@ -44,6 +45,9 @@ class Application {
   void draw_status();
   void draw_messages();
   void draw_close_question();
+  void draw_recover_question();
+  void make_recent_actions();
+  void show_live(bool on);
   void take_dropped();
   void close_or_ask();
   std::optional<Eigen::Vector2d> find(const ScriptPoint& point) const;
@@ -64,10 +68,12 @@ class Application {
   ReviewPane review_;
   OutlinePane outline_;
   ReslicePane reslice_;
+  LivePane live_;
   MeasurementsPane measurements_;
   FileDialog files_;
   std::vector<Action> actions_;
   bool help_ = false;
+  bool live_shown_ = false;  // instead of Review
   bool asks_to_close_ = false;
   bool done_ = false;
   bool look_changed_ = false;  // fonts cannot change within a frame
@@ -78,6 +84,7 @@ class Application {
 std::vector<Action> make_actions(Application& application);
 
 /// The state of the model as a script's `dump` writes it: a JSON text.
-std::string state_json(const Session& session, const ResliceViews& reslices, const Settings& settings);
+std::string state_json(const Session& session, const ResliceViews& reslices, const LiveView& live,
+                       const Settings& settings);
 
 }  // namespace fathom

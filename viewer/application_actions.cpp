@@ -207,6 +207,9 @@ std::vector<Action> make_actions(Application& app) {
   add(
       "View", "Along z", plain(GLFW_KEY_3), "", [&app] { app.outline_.look_along(2); }, open);
 
+  add(
+      "Window", "Live", plain(GLFW_KEY_F4), "record from devices, in place of Review",
+      [&app] { app.show_live(!app.live_shown_); }, {}, [&app] { return app.live_shown_; });
   const auto pane = [&](const char* label, int key, bool Settings::*member) {
     add(
         "Window", label, plain(key), "show or hide this pane",

@@ -53,6 +53,8 @@ void Application::draw_toolbar() {
     }
     ImGui::SameLine();
   }
+  ImGui::SameLine(0.0F, em);
+  if (ui::button("Live", "Record from devices (F4)", live_shown_)) show_live(!live_shown_);
   const Document* document = session_.document();
   std::vector<std::string> names;
   if (document != nullptr) {
@@ -88,7 +90,11 @@ void Application::draw_panes() {
   const float left = right_side ? std::round(whole.x * settings_.left) : whole.x;
 
   begin_pane("Review", low, {left - (right_side ? bar : 0.0F), main - bar});
-  review_.draw(session_, window_->pointer_path());
+  if (!live_shown_) {
+    review_.draw(session_, window_->pointer_path());
+  } else if (live_.draw(session_, settings_)) {
+    show_live(false);
+  }
   ImGui::EndChild();
   if (right_side) {
     ui::splitter("split:left", true, {low.x + left - bar, low.y}, main - bar, whole.x, settings_.left);
@@ -142,7 +148,7 @@ void Application::draw_status() {
     ImGui::TextUnformatted(job.title.c_str());
     ImGui::SameLine();
     ImGui::PushID(job.key.c_str());
-    if (ImGui::SmallButton("Cancel")) session_.worker().cancel(job.key);
+    if (ImGui::SmallButton("Cancel")) session_.cancel(job.key);
     ui::note_last("cancel:" + job.key);
     ImGui::PopID();
     ImGui::SameLine();
@@ -186,6 +192,27 @@ void Application::draw_messages() {
   }
   ImGui::End();
   ImGui::PopStyleVar();
+}
+
+void Application::draw_recover_question() {
+  Document* document = session_.document();
+  if (document == nullptr || !document->unsaved_work()) return;
+  ImGui::OpenPopup("Unsaved work");
+  if (!ImGui::BeginPopupModal("Unsaved work", nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return;
+  const std::size_t actions = document->unsaved_work()->actions;
+  ImGui::Text("The last session with %s ended before it was saved.", document->title().c_str());
+  ImGui::Text("%zu %s of it can be done again; they can be undone as before.", actions,
+              actions == 1 ? "action" : "actions");
+  if (ui::button("Recover")) {
+    session_.attempt(document->title(), [&] { document->recover(); });
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::SameLine();
+  if (ui::button("Discard")) {
+    session_.attempt(document->title(), [&] { document->discard_unsaved(); });
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
 }
 
 void Application::draw_close_question() {

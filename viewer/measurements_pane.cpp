@@ -75,11 +75,12 @@ void MeasurementsPane::draw_structure(Session& session, std::size_t index) {
   draw_style(session, index);
   if (index >= session.document()->structures().size()) return;
   const std::uint64_t id = session.document()->content().ids[index];
-  const StructureView* view = session.structures().find(id);
+  const StructureView* view = session.find_structure(id);
   if (view != nullptr && session.document()->is_calibrated()) {
     draw_volumes(session, index);
-    if (!view->error.empty()) error_line(view->error);
-    if (!view->surface_error.empty() && view->error.empty()) error_line("Surface: " + view->surface_error);
+    const bool measured = view->volumes.cubic_ml.has_value();
+    if (!measured && !view->warnings.empty()) error_line(view->warnings.front());
+    if (measured && !view->surface.fault.empty()) error_line("Surface: " + view->surface.fault);
     if (session.active_structure() == index) {
       draw_graph(session, index);
       for (const std::string& warning : view->warnings) warning_line(warning);
@@ -137,9 +138,9 @@ void MeasurementsPane::update_ellipsoid(const Session& session, std::size_t inde
 void MeasurementsPane::draw_volumes(const Session& session, std::size_t index) {
   update_ellipsoid(session, index);
   const std::uint64_t id = session.document()->content().ids[index];
-  const StructureView& view = *session.structures().find(id);
+  const StructureView& view = *session.find_structure(id);
   if (!ImGui::BeginTable("volumes", 2, ImGuiTableFlags_SizingStretchProp)) return;
-  row("Sections", std::to_string(view.sections.size()));
+  row("Sections", std::to_string(view.section_count));
   row("Volume", ml_text(view.volumes.cubic_ml));
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -156,7 +157,7 @@ void MeasurementsPane::draw_volumes(const Session& session, std::size_t index) {
     }
   }
   ImGui::TextUnformatted(change.c_str());
-  row("Surface", ml_text(view.surface_ml));
+  row("Surface", ml_text(view.surface.volume_ml));
   const auto& ellipsoid = ellipsoids_.at(id).volume;
   if (ellipsoid) {
     const Eigen::Vector3d& d = ellipsoid->diameters_mm;
@@ -168,7 +169,7 @@ void MeasurementsPane::draw_volumes(const Session& session, std::size_t index) {
 
 // Areas over the way of the centroids; a click shows the section's frame.
 void MeasurementsPane::draw_graph(Session& session, std::size_t index) {
-  const StructureView& view = *session.structures().find(session.document()->content().ids[index]);
+  const StructureView& view = *session.find_structure(session.document()->content().ids[index]);
   if (view.sections.size() < 2) return;
   std::vector<double> way{0.0};
   double largest = 0.0;

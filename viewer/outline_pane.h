@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <imgui.h>
 
@@ -36,7 +37,9 @@ class OutlinePane {
   void update_planes(const Session& session);
   void navigate(Session& session);
   void drag_planes(Session& session, ImDrawList& list);
+  /// Draws what has changed since the last time.
   void render(const Session& session, cv::Size size);
+  std::vector<double> picture_of(const Session& session, cv::Size size) const;
   void draw_axes(ImDrawList& list) const;
   void draw_scale_bar(ImDrawList& list) const;
   ImVec2 at(const Eigen::Vector3d& point_mm) const;
@@ -63,6 +66,7 @@ class OutlinePane {
   std::array<std::uint64_t, 4> current_of_{};
   std::array<std::uint64_t, 4> outlines_of_{};
   std::array<std::uint64_t, 4> planes_of_{};
+  std::vector<double> rendered_;  // all that the picture depends on
   const Document* looked_at_ = nullptr;
   std::uint64_t placement_looked_at_ = 0;
   std::optional<std::size_t> dragged_plane_;

@@ -28,19 +28,21 @@ void Script::fail(const std::string& what) const {
 }
 
 bool Script::step(const ScriptTarget& target) {
-  if (next_ >= steps_.size()) return false;
+  if (target.queued()) return true;
   if (frames_left_ > 0) {
     --frames_left_;
     return true;
   }
-  const ScriptStep& now = steps_[next_];
-  if (now.kind == ScriptStep::Kind::kQuit) return false;
-  if (run(now, target)) {
+  // A hand's input does not wait for frames either.
+  for (;;) {
+    if (next_ >= steps_.size() || steps_[next_].kind == ScriptStep::Kind::kQuit) return false;
+    const ScriptStep& now = steps_[next_];
+    if (!run(now, target)) return true;
     ++next_;
     missing_since_s_ = wait_until_s_ = 0.0;
     idle_frames_ = 0;
+    if (now.kind != ScriptStep::Kind::kMove && now.kind != ScriptStep::Kind::kInput) return true;
   }
-  return true;
 }
 
 bool Script::run(const ScriptStep& now, const ScriptTarget& target) {

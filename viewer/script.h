@@ -49,12 +49,13 @@ struct ScriptTarget {
   std::function<std::optional<Eigen::Vector2d>(const ScriptPoint&)> find;  ///< empty where it is not shown
   std::function<void(InputEvent)> push;
   std::function<bool()> busy;
+  std::function<bool()> queued;  ///< input that no frame has taken yet
   std::function<void(const std::filesystem::path&, const std::string& item)> picture;
   std::function<void(const std::filesystem::path&)> dump;
   std::function<void(const std::filesystem::path&, int frames)> bench;
 };
 
-/// Replays mouse, key and menu events on the real window (docs/viewer.md). One step a frame.
+/// Replays mouse, key and menu events on the real window (docs/viewer.md).
 class Script {
  public:
   /// Files that the script writes are relative to its own folder. Throws Error where it is damaged.

@@ -12,6 +12,37 @@ Session::Session(std::function<void()> wake) : frames_(std::move(wake)), worker_
 
 Session::~Session() { worker_.cancel_all(); }
 
+const StructureView* Session::find_structure(std::uint64_t id) const {
+  return structures_ ? structures_->find(id) : nullptr;
+}
+
+void Session::cancel(const std::string& key) {
+  if (structures_) structures_->cancel(*document_, key);
+  worker_.cancel(key);
+}
+
+void Session::save() {
+  attempt("save", [this] { start_saving(document_->begin_save(), "Saving"); });
+}
+
+void Session::save_as(const std::filesystem::path& folder) {
+  attempt("save as", [&] {
+    start_saving(document_->begin_save_as(folder), "Saving to " + folder.filename().string());
+    if (on_opened) on_opened(folder);
+  });
+}
+
+void Session::start_saving(std::shared_ptr<PendingSave> pending, const std::string& title) {
+  const Document* of = document_.get();
+  const auto work = [this, pending, of](const Progress& progress) -> std::function<void()> {
+    pending->write(progress);
+    return [this, pending, of] {
+      if (document_.get() == of) attempt("save", [&] { document_->finish_save(*pending); });
+    };
+  };
+  worker_.start({"save", title, work, [this](const std::string& error) { say("save", error); }});
+}
+
 void Session::open(const std::filesystem::path& path) { open(path, {}); }
 
 void Session::open(const std::filesystem::path& path, const DocumentOptions& options) {
@@ -26,8 +57,9 @@ void Session::open(const std::filesystem::path& path, const DocumentOptions& opt
 
 void Session::take_document(std::unique_ptr<Document> document, const std::filesystem::path& path) {
   worker_.cancel_all();  // what it does is of another document
+  structures_.reset();
   document_ = std::move(document);
-  structures_.clear();
+  structures_ = std::make_unique<StructureViews>(*document_, worker_);
   told_ = 0;
   const ViewState before = view;
   view = ViewState();
@@ -50,8 +82,8 @@ void Session::take_document(std::unique_ptr<Document> document, const std::files
 
 void Session::close() {
   worker_.cancel_all();
+  structures_.reset();
   document_.reset();
-  structures_.clear();
   view = ViewState();
 }
 
@@ -76,7 +108,8 @@ void Session::poll() {
   worker_.poll();
   if (!document_) return;
   for (; told_ < document_->messages().size(); ++told_) say(document_->title(), document_->messages()[told_], false);
-  structures_.update(*document_, worker_);
+  document_->poll();
+  structures_->update(*document_, worker_);
 }
 
 bool Session::busy() const { return !worker_.idle() || frames_.busy(); }

@@ -38,13 +38,18 @@ class Session {
   Worker& worker() { return worker_; }
   const Worker& worker() const { return worker_; }
   FrameLoader& frames() { return frames_; }
-  StructureViews& structures() { return structures_; }
-  const StructureViews& structures() const { return structures_; }
+  /// What is known of a structure, by its id; null where nothing is.
+  const StructureView* find_structure(std::uint64_t id) const;
+  /// Stops work under way, by its key.
+  void cancel(const std::string& key);
 
   /// Opens an exam or recording, beside the frame. What is open stays until that is done, and where it fails.
   void open(const std::filesystem::path& path);
   /// With a calibration and contours for a recording that is no exam.
   void open(const std::filesystem::path& path, const DocumentOptions& options);
+  /// Beside the frame; in a folder where there is none yet.
+  void save();
+  void save_as(const std::filesystem::path& folder);
   void close();
 
   /// Does what the user asked for; an Error becomes a message about `about`, and an action under way is taken back.
@@ -76,14 +81,15 @@ class Session {
   std::function<void(const std::filesystem::path&)> on_opened;
 
  private:
+  void start_saving(std::shared_ptr<PendingSave> pending, const std::string& title);
   void take_document(std::unique_ptr<Document> document, const std::filesystem::path& path);
 
   std::unique_ptr<Document> document_;
   std::vector<Message> messages_;
   std::size_t told_ = 0;  // of the document's own messages
-  StructureViews structures_;
   FrameLoader frames_;
-  Worker worker_;  // last: its jobs use what is above
+  Worker worker_;
+  std::unique_ptr<StructureViews> structures_;  // of document_; goes before what it refers to
 };
 
 }  // namespace fathom

@@ -28,7 +28,6 @@ void visit_fields(Settings& settings, const Visit& visit) {
   visit("show_reslice", settings.show_reslice);
   visit("show_measurements", settings.show_measurements);
   visit("show_timeline", settings.show_timeline);
-  visit("recent", settings.recent);
   visit("image_source", settings.image_source);
   visit("tracker_source", settings.tracker_source);
 }
@@ -40,7 +39,6 @@ void keep_in_range(Settings& settings) {
   for (float* share : {&settings.left, &settings.middle, &settings.upper, &settings.main}) {
     *share = std::clamp(*share, 0.08F, 0.92F);
   }
-  if (settings.recent.size() > Settings::kRecent) settings.recent.resize(Settings::kRecent);
 }
 
 }  // namespace
@@ -89,12 +87,6 @@ void write_settings(const Settings& settings, const std::filesystem::path& file)
   Settings copy = settings;
   visit_fields(copy, [&](const char* name, const auto& value) { document[name] = value; });
   write_text_file(file, document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-}
-
-void add_recent(const std::string& path, Settings& settings) {
-  std::erase(settings.recent, path);
-  settings.recent.insert(settings.recent.begin(), path);
-  if (settings.recent.size() > Settings::kRecent) settings.recent.resize(Settings::kRecent);
 }
 
 }  // namespace fathom

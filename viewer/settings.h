@@ -2,14 +2,11 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace fathom {
 
 /// What is kept of the window between two sessions.
 struct Settings {
-  static constexpr std::size_t kRecent = 10;
-
   int width = 1280;
   int height = 800;
   bool dark = true;
@@ -22,8 +19,7 @@ struct Settings {
   bool show_reslice = true;
   bool show_measurements = true;
   bool show_timeline = true;
-  std::vector<std::string> recent;  ///< newest first
-  std::string image_source;         ///< of the last live session
+  std::string image_source;  ///< of the last live session
   std::string tracker_source;
 };
 
@@ -34,7 +30,5 @@ std::filesystem::path settings_file();
 Settings read_settings(const std::filesystem::path& file);
 /// Throws Error.
 void write_settings(const Settings& settings, const std::filesystem::path& file);
-
-void add_recent(const std::string& path, Settings& settings);
 
 }  // namespace fathom

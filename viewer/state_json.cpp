@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exam/document.h"
+#include "exam/state_folder.h"
 #include "viewer/application.h"
 
 namespace fathom {
@@ -32,16 +33,14 @@ Json structure_json(const Session& session, std::size_t index) {
   for (const AbsentMark& mark : structure.absent) json["absent"].push_back(mark.frame);
   json["extremities"] = Json::array();
   for (const Extremity& extremity : structure.extremities) json["extremities"].push_back(extremity.frame);
-  const StructureView* view = session.structures().find(document.content().ids[index]);
+  const StructureView* view = session.find_structure(document.content().ids[index]);
   if (view == nullptr) return json;
-  json["sections"] = view->sections.size();
+  json["sections"] = view->section_count;
   json["volume_ml"] = number_or_null(view->volumes.cubic_ml);
   json["volume_before_ml"] = number_or_null(view->volume_before_ml);
-  json["surface_ml"] = number_or_null(view->surface_ml);
-  json["triangles"] = view->mesh ? view->mesh->triangles.size() : 0;
-  json["layers_made"] = view->layers_made;
-  json["error"] = view->error;
-  json["surface_error"] = view->surface_error;
+  json["surface_ml"] = number_or_null(view->surface.volume_ml);
+  json["triangles"] = view->surface.mesh ? view->surface.mesh->triangles.size() : 0;
+  json["surface_fault"] = view->surface.fault;
   json["warnings"] = view->warnings;
   return json;
 }
@@ -86,9 +85,31 @@ Json view_json(const Session& session) {
   return json;
 }
 
+Json live_json(const LiveView& live) {
+  Json json{{"connected", live.connected()},
+            {"recording", live.recording()},
+            {"shown", live.shown()},
+            {"folder", live.folder().string()},
+            {"delay_p95_s", number_or_null(live.delay_p95_s())}};
+  if (live.connected()) {
+    const SessionStatistics now = live.statistics();
+    json["received"] = now.images.received;
+    json["rate_hz"] = now.images.rate_hz;
+    json["tracked"] = now.tracked;
+    json["transforms"] = now.transforms.size();
+  }
+  if (live.recording()) {
+    json["frames"] = live.status().frames;
+    json["state"] = static_cast<int>(live.status().state);
+  }
+  if (live.verdict()) json["verdict"] = {{"frames", live.verdict()->frames}, {"warnings", live.verdict()->warnings}};
+  return json;
+}
+
 }  // namespace
 
-std::string state_json(const Session& session, const ResliceViews& reslices, const Settings& settings) {
+std::string state_json(const Session& session, const ResliceViews& reslices, const LiveView& live,
+                       const Settings& settings) {
   Json json;
   json["document"] = session.document() != nullptr ? document_json(session) : Json(nullptr);
   json["view"] = view_json(session);
@@ -102,6 +123,7 @@ std::string state_json(const Session& session, const ResliceViews& reslices, con
                                 {"picture", view.number},
                                 {"error", view.error}});
   }
+  json["live"] = live_json(live);
   json["messages"] = Json::array();
   for (const Message& message : session.messages()) {
     json["messages"].push_back({{"about", message.about}, {"text", message.text}, {"is_error", message.is_error}});
@@ -109,8 +131,9 @@ std::string state_json(const Session& session, const ResliceViews& reslices, con
   json["jobs"] = Json::array();
   for (const JobStatus& job : session.worker().jobs()) json["jobs"].push_back(job.key);
   json["settings"] = {{"dark", settings.dark},     {"scale", settings.scale}, {"left", settings.left},
-                      {"middle", settings.middle}, {"upper", settings.upper}, {"main", settings.main},
-                      {"recent", settings.recent}};
+                      {"middle", settings.middle}, {"upper", settings.upper}, {"main", settings.main}};
+  json["recent"] = Json::array();
+  for (const std::filesystem::path& path : recent_files()) json["recent"].push_back(path.string());
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
