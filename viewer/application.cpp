@@ -79,6 +79,7 @@ bool Application::run_script() {
   target.queued = [this] { return window_->has_input(); };
   target.picture = [this](const std::filesystem::path& file, const std::string& item) { write_picture(file, item); };
   target.dump = [this](const std::filesystem::path& file) { write_state(file); };
+  target.keys = [this](const std::filesystem::path& file) { write_text_file(file, keys_markdown(actions_)); };
   target.bench = [this](const std::filesystem::path& file, int frames) { write_bench(file, frames); };
   return script_->step(target);
 }

@@ -213,7 +213,10 @@ void MeasurementsPane::draw_graph(Session& session, std::size_t index) {
 
 void MeasurementsPane::draw_planes(Session& session) {
   Document& document = *session.document();
-  if (!document.is_calibrated() || !ImGui::CollapsingHeader("Dividing planes")) return;
+  if (!document.is_calibrated()) return;
+  const bool open = ImGui::CollapsingHeader("Dividing planes");
+  ui::note_last("Dividing planes");
+  if (!open) return;
   if (ui::button("Place planes", "Between all sweeps, midway between the sides that face each other")) {
     session.attempt("dividing planes", [&] {
       for (const std::string& warning : document.place_planes()) session.say("dividing planes", warning, false);

@@ -80,6 +80,9 @@ bool Script::run(const ScriptStep& now, const ScriptTarget& target) {
     case Kind::kDump:
       target.dump(file_.parent_path() / now.file);
       return true;
+    case Kind::kKeys:
+      target.keys(file_.parent_path() / now.file);
+      return true;
     case Kind::kBench:
       target.bench(file_.parent_path() / now.file, now.count);
       return true;

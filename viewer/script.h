@@ -32,6 +32,7 @@ struct ScriptStep {
     kWait,     ///< draws for `seconds`
     kPicture,  ///< writes `file`: all of the window, or of `item`
     kDump,     ///< writes the model's state to `file`
+    kKeys,     ///< writes the table of keys in Markdown to `file`
     kBench,    ///< draws `count` frames and writes to `file` what they cost
     kQuit,     ///< ends at once, without saving or asking
   };
@@ -52,6 +53,7 @@ struct ScriptTarget {
   std::function<bool()> queued;  ///< input that no frame has taken yet
   std::function<void(const std::filesystem::path&, const std::string& item)> picture;
   std::function<void(const std::filesystem::path&)> dump;
+  std::function<void(const std::filesystem::path&)> keys;
   std::function<void(const std::filesystem::path&, int frames)> bench;
 };
 

@@ -69,10 +69,8 @@ KeyChord held(const JsonValue& event) {
 }
 
 void add_text(Builder& builder, const std::string& text) {
-  for (const char c : text) {
-    builder.input({.kind = InputEvent::Kind::kText, .text = static_cast<unsigned char>(c)});
-    builder.frames(1);
-  }
+  for (const char c : text) builder.input({.kind = InputEvent::Kind::kText, .text = static_cast<unsigned char>(c)});
+  builder.frames(2);
 }
 
 void add_key(Builder& builder, const std::string& text) {
@@ -187,6 +185,7 @@ void add_event(Builder& builder, const nlohmann::json& json, const JsonValue& ev
     const int frames = event.has("count") ? event.at("count").integer(1, kFarthest) : 100;
     return builder.add({.kind = Step::Kind::kBench, .count = frames, .file = event.at("bench").string()});
   }
+  if (event.has("keys")) return builder.add({.kind = Step::Kind::kKeys, .file = event.at("keys").string()});
   for (const auto& [name, adder] : kEvents) {
     if (event.has(name)) return adder(builder, json, event);
   }

@@ -6,6 +6,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
+import traceback
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 
@@ -112,24 +115,37 @@ class Viewer:
             env=self.environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
+def attempt(scenario, viewer, shared):
+    """What went wrong; None where nothing did."""
+    began = time.monotonic()
+    try:
+        scenario(viewer, shared)
+        fault = None
+    except (AssertionError, KeyError, IndexError, FileNotFoundError, subprocess.TimeoutExpired):
+        fault = traceback.format_exc(limit=-2)
+    print(f"{'FAILED ' if fault else 'ok     '} {scenario.__name__} ({time.monotonic() - began:.1f} s)", flush=True)
+    return fault
+
+
 def run_all(scenarios, program, prepare):
     """Every scenario in a folder of its own files; prints which failed. `prepare(program, folder)` gives what all use."""
-    failed = 0
-    with tempfile.TemporaryDirectory() as top, Display() as display:
+    names = [argument for argument in sys.argv[2:] if not argument.startswith("--")]
+    if "--sanitized" in sys.argv:  # the driver's own leaks are not ours, and everything takes ten times as long
+        os.environ["ASAN_OPTIONS"] = os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"
+        scenarios = scenarios[::6]
+    if names:
+        scenarios = [scenario for scenario in scenarios if scenario.__name__ in names]
+    with tempfile.TemporaryDirectory() as top, Display() as display, ThreadPoolExecutor(2) as pool:
         shared = prepare(program, Path(top))
-        chosen = sys.argv[2:]
+        jobs = []
         for scenario in scenarios:
-            if chosen and scenario.__name__ not in chosen:
-                continue
             folder = Path(top) / scenario.__name__
             folder.mkdir()
-            try:
-                scenario(Viewer(program, display, folder), shared)
-                print(f"ok      {scenario.__name__}")
-            except (AssertionError, KeyError, FileNotFoundError, subprocess.TimeoutExpired) as fault:
-                failed += 1
-                print(f"FAILED  {scenario.__name__}: {fault!r}")
-    print(f"{len(scenarios)} scenarios, {failed} failed")
+            jobs.append(pool.submit(attempt, scenario, Viewer(program, display, folder), shared))
+        faults = [job.result() for job in jobs]
+    print("\n".join(fault for fault in faults if fault), end="")
+    failed = sum(1 for fault in faults if fault)
+    print(f"{len(faults) - failed} passed, {failed} failed")
     return 1 if failed else 0
 
 
