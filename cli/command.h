@@ -27,5 +27,6 @@ void add_serve(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_surface(CLI::App& app);
 void add_sweeps(CLI::App& app);
+void add_view(CLI::App& app);
 
 }  // namespace fathom

@@ -2,29 +2,14 @@
 
 #include <iostream>
 
-#include "acquisition/live/recording_folder.h"
 #include "cli/options.h"
 #include "cli/output.h"
 #include "core/error.h"
+#include "registration/judge_folder.h"
 
 namespace fathom {
 
 namespace {
-
-constexpr std::size_t kMostSamples = 500000;  // of the probe, for its jitter: half an hour at 240 Hz
-
-// The probe's raw samples. Empty where nobody knows which they are.
-std::vector<TrackerSample> probe_samples(const std::filesystem::path& folder, const Recording& recording,
-                                         const FrameNames& names) {
-  std::vector<TrackerSample> samples;
-  const auto chain = default_pose_chain(recording, names);
-  if (!chain || chain->steps.empty()) return samples;
-  const std::string& name = recording.header().transforms[chain->steps.front().transform];
-  for_each_sample(folder, [&](const TrackerSample& sample) {
-    if (sample.transform == name && samples.size() < kMostSamples) samples.push_back(sample);
-  });
-  return samples;
-}
 
 nlohmann::ordered_json or_null(const auto& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
@@ -65,9 +50,7 @@ SweepVerdict verdict_on(const std::filesystem::path& folder, const VerdictInput&
     options.region_mm->extend(Eigen::Vector3d::Map(input.region.data()));
     options.region_mm->extend(Eigen::Vector3d::Map(input.region.data() + 3));
   }
-  const auto recording = open_recording(folder);
-  return judge_sweep(*recording, calibration ? &*calibration : nullptr, input.names,
-                     probe_samples(folder, *recording, input.names), options);
+  return judge_folder(folder, calibration ? &*calibration : nullptr, input.names, options);
 }
 
 nlohmann::ordered_json verdict_json(const SweepVerdict& verdict) {

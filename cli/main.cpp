@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   fathom::add_devices(app);
   fathom::add_serve(app);
   fathom::add_demo(app);
+  fathom::add_view(app);
 
   try {
     app.parse(argc, argv);
