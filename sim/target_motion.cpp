@@ -8,8 +8,9 @@ namespace fathom {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-// Hertz of a hand's movements: twist, tilt, rock, then the three shifts. No two hang together.
-constexpr std::array kHertz = {0.35, 0.62, 0.85, 0.41, 0.53, 0.74};
+// Hertz of a hand's movements: twist, tilt, rock, then the three shifts. No two hang together. Slow enough that poses
+// 40 ms apart tell what lies between them: a hundredth of a radian is a millimetre at the image.
+constexpr std::array kHertz = {0.17, 0.31, 0.43, 0.21, 0.27, 0.37};
 // Of the way up and down: the pace itself sways, so that no stretch repeats within the latencies looked for.
 constexpr double kPace_hz = 0.55;
 constexpr double kPaceSways_rad = 1.9;

@@ -44,6 +44,21 @@ inline CalibrationPhantom calibration_phantom_of(const TargetScanOptions& option
   return {CalibrationTarget::kWires, options.phantom};
 }
 
+/// Every `step`th image of a scan: the others are marked invalid, and need not be made.
+class ThinnedRecording : public Recording {
+ public:
+  ThinnedRecording(const Recording& recording, int step)
+      : Recording(recording.name(), recording.header()), all_(recording) {
+    for (int frame = 0; frame < header_.frame_count(); ++frame) {
+      if (frame % step != 0) header_.frames[static_cast<std::size_t>(frame)].image_status = "INVALID";
+    }
+  }
+  cv::Mat image(int frame) const override { return all_.image(frame); }
+
+ private:
+  const Recording& all_;
+};
+
 /// True places by frame and name.
 using TruePlaces = std::map<std::pair<int, std::string>, Eigen::Vector2d>;
 inline TruePlaces places_of(const SimulatedTargetScan& scan) {
