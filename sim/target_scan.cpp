@@ -166,7 +166,7 @@ SimulatedTargetScan simulate_target(const TargetScanOptions& options) {
                                     ? *options.phantom.reference_from_phantom
                                     : simulated_reference_from_phantom();
   const auto phantom_from_image = [&](double time_s) {
-    Eigen::Isometry3d bath_from_image = motion.bath_from_image(time_s);
+    Eigen::Isometry3d bath_from_image = motion.bath_from_image(options.pattern == "still" ? 0.0 : time_s);
     bath_from_image.translation().z() += options.away_mm;
     return Eigen::Isometry3d(setting.phantom_from_bath * bath_from_image);
   };

@@ -113,8 +113,6 @@ TargetSetting target_setting(const TargetScanOptions& options) {
   if (options.pattern == "floor") {
     setting.sway.turn_rad.setConstant(kTremor_rad);
     setting.sway.shift_mm.head<2>().setConstant(kTremor_mm);
-  } else if (options.pattern == "still") {
-    setting.sway = {};
   }
   return setting;
 }

@@ -4,12 +4,11 @@
 import json
 import re
 
-import tracked_recordings as tracked
 from calibrations import distance, refused
 from program import run_script
 from recording_file import MetaImage
 
-FRAMES = 125  # five seconds
+FRAMES = 100  # four seconds
 WIDTH, HEIGHT = 640, 480
 
 
@@ -59,6 +58,14 @@ def first_three(path):
     return image.with_pixels(image.pixels[:3 * WIDTH * HEIGHT])
 
 
+def three_ns():
+    """The wires of PLUS's recordings: they look different from behind and upside down."""
+    def n(z, left, right, front, back):
+        ends = [((left, 0, z), (left, 40, z)), ((front, 0, z), (back, 40, z)), ((right, 0, z), (right, 40, z))]
+        return {"wires": [{"name": f"{z}{k}", "front": list(a), "back": list(b)} for k, (a, b) in enumerate(ends)]}
+    return {"fathom_phantom": 1, "name": "three", "patterns": [n(20, 30, 60, 55, 35), n(10, 30, 60, 35, 55), n(0, 35, 60, 55, 40)]}
+
+
 def place(matrix, x, y):
     return [sum(a * b for a, b in zip(matrix[4 * row:4 * row + 4], (x, y, 0, 1))) for row in range(3)]
 
@@ -71,9 +78,9 @@ def farthest(found, truth, seen_at=lambda x, y: (x, y)):
 
 def body(program, folder, tally, _root):
     phantom, other = folder / "phantom.json", folder / "other.json"
-    phantom.write_text(json.dumps(tracked.wire_phantom() | {"phantom_to_reference":
+    phantom.write_text(json.dumps(three_ns() | {"phantom_to_reference":
                                                             [1, 0, 0, 9, 0, 1, 0, 8, 0, 0, 1, 7, 0, 0, 0, 1]}))
-    unlike = tracked.wire_phantom()
+    unlike = three_ns()
     for wire in unlike["patterns"][1]["wires"]:  # 4 mm higher than in the phantom that is scanned
         wire.update({end: [wire[end][0], wire[end][1], wire[end][2] + 4] for end in ("front", "back")})
     other.write_text(json.dumps(unlike))

@@ -72,8 +72,8 @@ TEST(TargetChain, FromImagesOfWiresToPointsInSpace) {
 }
 
 TEST(TargetChainStudy, PointsInSpaceAndLatencyFromImages) {
-  constexpr int kScans = 3;
-  constexpr int kTrackers = 8;
+  constexpr int kScans = 2;
+  constexpr int kTrackers = 4;
   std::printf(
       "target | tracker's noise (mm) | calibrations | point error, rms; worst (mm) | largest stated sd of a pixel (mm) "
       "| latency error, worst (ms)\n");
@@ -82,7 +82,7 @@ TEST(TargetChainStudy, PointsInSpaceAndLatencyFromImages) {
     const bool registered = target != "wires unregistered";
     std::vector<SeenTarget> seen;
     for (std::uint64_t scan = 0; scan < kScans; ++scan) {
-      seen.emplace_back(target_options(registered ? target : "wires", kFrames, 40 + scan), 2);
+      seen.emplace_back(target_options(registered ? target : "wires", kFrames, 40 + scan), 4);
     }
     for (const double noise_mm : {0.0, 0.25, 0.5}) {
       double squares = 0.0;

@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Targets, TargetDetection,
 
 TEST_P(TargetDetection, FindsWhatIsThereAndWhereItIs) {
   const auto [object, probe] = GetParam();
-  const TargetScanOptions options = target_options(object, 40, 7, probe);
+  const TargetScanOptions options = target_options(object, 24, 7, probe);
   const SimulatedTargetScan scan = simulate_target(options);
   const Found found = options.object == "wires"  ? wires_found(scan, options.phantom)
                       : options.object == "wall" ? wall_found(scan)

@@ -38,8 +38,9 @@ ProbePoses tracked(const Recording& recording) { return probe_poses(recording, f
 
 TEST(TargetLatency, OfAHandThatAlsoTiltsIsFoundFromImages) {
   const double latency_s = -0.283;
-  const SimulatedTargetScan scan = simulate_target(up_and_down(100, latency_s, 3, 0.0));
-  const Signal depth = floor_signal(*scan.recording, detect_wall(*scan.recording));
+  const SimulatedTargetScan scan = simulate_target(up_and_down(300, latency_s, 3, 0.0));
+  const ThinnedRecording some(*scan.recording, 7);
+  const Signal depth = floor_signal(some, detect_wall(some));
   const TemporalCalibration fit = find_latency(depth, tracked(*scan.recording));
   std::printf("%.2f ms off, stated %.2f, correlation %.4f\n", 1e3 * (fit.latency_s - latency_s), 1e3 * fit.stddev_s,
               fit.correlation);
