@@ -181,7 +181,8 @@ void add_record(CLI::App& app) {
   auto options = std::make_shared<RecordCommand>();
   CLI::App* command = app.add_subcommand("record", "Record images and poses from live sources");
   std::string forms;
-  for (const auto& [name, scheme] : all_sources().schemes()) forms += (forms.empty() ? "" : ", ") + scheme.form;
+  const SourceRegistry sources = all_sources();
+  for (const auto& [name, scheme] : sources.schemes()) forms += (forms.empty() ? "" : ", ") + scheme.form;
   command->add_option("--image", options->images, "Where images come from: " + forms)->required();
   command->add_option("--tracker", options->tracker, "Where poses come from (default: the image's source)");
   command->add_option("--out", options->out, "The folder to make and record into")->required();
