@@ -2,8 +2,10 @@
 
 #include <array>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
+#include "acquisition/live/recording_folder.h"
 #include "acquisition/metaimage.h"
 #include "acquisition/nrrd.h"
 
@@ -34,7 +36,9 @@ cv::Mat FileRecording::image(int frame) const {
 }
 
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path) {
-  return std::make_unique<FileRecording>(path);
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(path, ignored);
+  return std::make_unique<FileRecording>(is_folder ? finished_header(path) : path);
 }
 
 }  // namespace fathom

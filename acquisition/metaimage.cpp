@@ -199,7 +199,7 @@ SequenceFile read_metaimage(const std::shared_ptr<const InputFile>& file) {
   return sequence;
 }
 
-std::string metaimage_preamble(const RecordingHeader& header, const MetaImageLayout& layout) {
+std::string metaimage_preamble(const RecordingHeader& header, int frame_count, const MetaImageLayout& layout) {
   const auto type = std::find_if(kElementTypes.begin(), kElementTypes.end(),
                                  [&](const auto& entry) { return entry.second == CV_MAT_DEPTH(header.pixel_type); });
   std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = ";
@@ -212,7 +212,7 @@ std::string metaimage_preamble(const RecordingHeader& header, const MetaImageLay
     text += "CompressedData = False\n";
   }
   text += "DimSize = " + std::to_string(header.width) + ' ' + std::to_string(header.height) + ' ' +
-          std::to_string(header.frame_count()) + '\n';
+          std::to_string(frame_count) + '\n';
   if (!layout.reference_from_voxel) text += "Kinds = domain domain list\n";
   if (CV_MAT_CN(header.pixel_type) > 1) {
     text += "ElementNumberOfChannels = " + std::to_string(CV_MAT_CN(header.pixel_type)) + '\n';

@@ -35,9 +35,10 @@ struct MetaImageLayout {
   std::optional<Eigen::Affine3d> reference_from_voxel;  ///< of a volume; empty: a recording
 };
 
-/// Text before the frames' fields, in the order that PLUS writes. Where compressed it ends a line "CompressedDataSize =
-/// " with blanks, to be overwritten when the size is known: see compressed_size_place.
-std::string metaimage_preamble(const RecordingHeader& header, const MetaImageLayout& layout);
+/// Text before the frames' fields, in the order that PLUS writes; of the header's own frames nothing is used. Where
+/// compressed it ends a line "CompressedDataSize = " with blanks, to be overwritten when the size is known: see
+/// compressed_size_place.
+std::string metaimage_preamble(const RecordingHeader& header, int frame_count, const MetaImageLayout& layout);
 
 /// Position of the number behind "CompressedDataSize = " in the preamble.
 std::size_t compressed_size_place(const std::string& preamble);

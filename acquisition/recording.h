@@ -89,7 +89,8 @@ class MemoryRecording : public Recording {
   std::vector<cv::Mat> images_;
 };
 
-/// Opens a sequence metafile (`.mha`, `.mhd` with its raw file, `.nrrd`; the file's first bytes decide, not its name).
+/// Opens a sequence metafile (`.mha`, `.mhd` with its raw file, `.nrrd`; the file's first bytes decide, not its name),
+/// or a recording folder.
 ///
 /// Uncompressed pixels are memory-mapped; compressed ones are inflated as they are asked for, with restart points.
 /// Throws Error on any fault that can be found without reading all pixels: the header is checked whole, sizes are

@@ -122,7 +122,7 @@ std::uint64_t write_header(const RecordingHeader& header, AtomicFile& file, cons
     text.erase(0, text.size() - kept);
   };
   for (std::size_t f = 0; f < header.frames.size(); ++f) {
-    append_frame_fields(text, header, f, syntax);
+    append_frame_fields(text, header.transforms, header.frames[f], f, syntax);
     if (text.size() > kHeaderPieceBytes) flush(1);
   }
   text.pop_back();
@@ -141,7 +141,7 @@ void write_mha(const Recording& recording, const std::filesystem::path& path, co
   const bool compress = sequence_layout.compressed;
   const MetaImageLayout layout = {
       .compressed = compress, .pixel_file = "LOCAL", .reference_from_voxel = sequence_layout.reference_from_voxel};
-  const std::string preamble = metaimage_preamble(recording.header(), layout);
+  const std::string preamble = metaimage_preamble(recording.header(), recording.header().frame_count(), layout);
   const std::string closing = '\n' + metaimage_closing_line(layout);
   AtomicFile file(path);
   const std::uint64_t written = write_header(recording.header(), file, preamble, kMetaImageFields);
@@ -169,7 +169,7 @@ void write_mhd(const Recording& recording, const std::filesystem::path& path, co
     throw Error(printable(path.string()) + ": its pixels would lie in \"" + printable(layout.pixel_file) +
                 "\", which " + *fault + "; choose another name, or .mha");
   }
-  std::string preamble = metaimage_preamble(recording.header(), layout);
+  std::string preamble = metaimage_preamble(recording.header(), recording.header().frame_count(), layout);
   AtomicFile file(path);
   std::optional<AtomicFile> pixels;
   if (has_images) {

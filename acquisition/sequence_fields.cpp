@@ -235,10 +235,9 @@ void append_field(std::string& text, std::string_view name, std::string_view val
   text += '\n';
 }
 
-void append_frame_fields(std::string& text, const RecordingHeader& header, std::size_t frame,
-                         const FieldSyntax& syntax) {
-  const FrameHeader& fields = header.frames[frame];
-  assert(fields.poses.size() == header.transforms.size());
+void append_frame_fields(std::string& text, const std::vector<std::string>& transforms, const FrameHeader& fields,
+                         std::size_t frame, const FieldSyntax& syntax) {
+  assert(fields.poses.size() == transforms.size());
   char prefix[32];
   std::snprintf(prefix, sizeof prefix, "Seq_Frame%04zu_", frame);
   const auto append = [&](std::string_view name, std::string_view suffix, std::string_view value) {
@@ -246,7 +245,7 @@ void append_frame_fields(std::string& text, const RecordingHeader& header, std::
     append_field(text, std::string(name) + std::string(suffix), value, syntax);
   };
   std::string numbers;
-  for (std::size_t t = 0; t < header.transforms.size(); ++t) {
+  for (std::size_t t = 0; t < transforms.size(); ++t) {
     if (!fields.poses[t]) continue;
     const Pose& pose = *fields.poses[t];
     numbers.clear();
@@ -254,8 +253,8 @@ void append_frame_fields(std::string& text, const RecordingHeader& header, std::
       if (i > 0) numbers += ' ';
       numbers += format_real(pose.matrix(i / 4, i % 4));
     }
-    append(header.transforms[t], kTransform, numbers);
-    if (!pose.status.empty()) append(header.transforms[t], kTransformStatus, pose.status);
+    append(transforms[t], kTransform, numbers);
+    if (!pose.status.empty()) append(transforms[t], kTransformStatus, pose.status);
   }
   if (fields.time_s) {
     numbers.clear();

@@ -77,8 +77,8 @@ struct FieldSyntax {
 /// Appends one field and a line end. Control characters in the value, a line end among them, become blanks.
 void append_field(std::string& text, std::string_view name, std::string_view value, const FieldSyntax& syntax);
 
-/// Appends the fields of one frame, `Seq_FrameNNNN_Name` each.
-void append_frame_fields(std::string& text, const RecordingHeader& header, std::size_t frame,
-                         const FieldSyntax& syntax);
+/// Appends the fields of one frame, `Seq_FrameNNNN_Name` each; it has one, perhaps empty, pose for each transform.
+void append_frame_fields(std::string& text, const std::vector<std::string>& transforms, const FrameHeader& fields,
+                         std::size_t frame, const FieldSyntax& syntax);
 
 }  // namespace fathom

@@ -6,6 +6,7 @@
 #include "cli/output.h"
 #include "core/staged_folder.h"
 #include "core/text_file.h"
+#include "exam/make_exam.h"
 #include "exam/report_picture.h"
 #include "exam/results.h"
 #include "exam/surface_picture.h"
@@ -88,7 +89,14 @@ void run(const DemoOptions& options) {
                               number_text(surface.volume_ml(), 2) + " ml";
   write_png(surface_picture({surface.mesh()}, locator, {outlined}, {through}), folder / "surface.png");
 
-  staged.commit();
+  ExamParts parts;
+  parts.recordings = {folder / "recording.mha"};
+  parts.calibration = folder / "calibration.json";
+  parts.contours = folder / "contours.json";
+  parts.patient = "simulated patient";
+  create_exam(folder, parts);
+
+  staged.commit("exam.json");
 
   if (options.json) {
     print_json(json);
@@ -97,7 +105,7 @@ void run(const DemoOptions& options) {
   print_results(results);
   std::cout << "\n" << verdict << "\n";
   std::cout << "written to " << options.out << ": recording.mha, calibration.json, truth.json, contours.json, "
-            << "results.json, report.png, surface.ply, surface.png\n";
+            << "results.json, report.png, surface.ply, surface.png, exam.json\n";
 }
 
 }  // namespace

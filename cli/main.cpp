@@ -35,10 +35,13 @@ int main(int argc, char** argv) {
   fathom::add_info(app);
   fathom::add_convert(app);
   fathom::add_simulate(app);
+  fathom::add_record(app);
+  fathom::add_recover(app);
   fathom::add_exam(app);
   fathom::add_segment(app);
   fathom::add_sweeps(app);
   fathom::add_planes(app);
+  fathom::add_propagate(app);
   fathom::add_measure(app);
   fathom::add_surface(app);
   fathom::add_reslice(app);
@@ -47,7 +50,10 @@ int main(int argc, char** argv) {
   fathom::add_eqnsurf(app);
   fathom::add_calibrate(app);
   fathom::add_register(app);
+  fathom::add_devices(app);
+  fathom::add_serve(app);
   fathom::add_demo(app);
+  fathom::add_view(app);
 
   try {
     app.parse(argc, argv);

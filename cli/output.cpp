@@ -121,6 +121,8 @@ Progress progress_bar(const std::string& what) {
   };
 }
 
+bool was_interrupted() { return interrupted != 0; }
+
 void catch_interrupts() {
   // The second one ends the program at once: whoever asks twice has waited long enough.
   const auto note = [](int signal) {

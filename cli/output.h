@@ -25,6 +25,9 @@ void print_results(const std::vector<StructureResult>& results);
 /// Draws a bar on standard error if that is a terminal; asks the work to stop once the user pressed Ctrl-C.
 Progress progress_bar(const std::string& what);
 
+/// Whether the user has pressed Ctrl-C.
+bool was_interrupted();
+
 /// From here on Ctrl-C and a polite kill end the program in order: what is being written is removed first. Asked a
 /// second time, it ends at once.
 void catch_interrupts();

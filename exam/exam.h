@@ -11,6 +11,9 @@
 
 namespace fathom {
 
+/// The file of an exam's folder that holds what can be undone (docs/file-formats.md).
+constexpr const char* kHistoryFile = "history.json";
+
 /// One examination: a folder with `exam.json` and the files that it names (docs/file-formats.md).
 struct Exam {
   std::filesystem::path folder;

@@ -34,14 +34,17 @@ class Intake {
   std::string recording(const std::filesystem::path& file, const Progress& progress) {
     const auto opened = open_recording(file);
     if (const auto name = name_inside(file)) return *name;
-    const std::string name = copy(file);
-    try {
-      open_recording(staged_.path() / name);
-      return name;
-    } catch (const Error&) {
-      // Its pixels are in another file: both become one.
-      std::filesystem::remove(staged_.path() / name);
+    if (!std::filesystem::is_directory(file)) {
+      const std::string name = copy(file);
+      try {
+        open_recording(staged_.path() / name);
+        return name;
+      } catch (const Error&) {
+        // Its pixels are in another file: both become one.
+        std::filesystem::remove(staged_.path() / name);
+      }
     }
+    // A recording folder's too.
     const std::string whole = free_name(file.stem().string(), ".mha");
     write_recording(*opened, staged_.path() / whole, {}, progress);
     return whole;
@@ -51,6 +54,15 @@ class Intake {
     if (const auto name = name_inside(file)) return *name;
     return copy(file);
   }
+
+  std::string text(const std::string& stem, const std::string& text) {
+    const std::string name = free_name(stem, ".json");
+    write_text_file(staged_.path() / name, text);
+    return name;
+  }
+
+  // Under this very name, also where there is such a file.
+  void fixed_text(const std::string& name, const std::string& text) { write_text_file(staged_.path() / name, text); }
 
   void finish(const Exam& exam) {
     for (const std::string& name : exam.recordings) require_storable(name);
@@ -138,8 +150,8 @@ Exam put_in(Exam exam, const ExamParts& parts, const Progress& progress) {
   }
   if (!parts.calibration.empty()) exam.calibration = intake.document(parts.calibration);
   if (!parts.contours.empty()) exam.structures = intake.document(parts.contours);
-  // What was measured was measured of other inputs.
-  if (!parts.recordings.empty() || !parts.calibration.empty() || !parts.contours.empty()) exam.results = nullptr;
+  if (parts.contours_text) exam.structures = intake.text("contours", *parts.contours_text);
+  if (parts.history_text) intake.fixed_text(kHistoryFile, *parts.history_text);
   take(parts.patient, exam.patient);
   take(parts.operator_name, exam.operator_name);
   take(parts.date, exam.date);
@@ -151,16 +163,26 @@ Exam put_in(Exam exam, const ExamParts& parts, const Progress& progress) {
 }  // namespace
 
 Exam create_exam(const std::filesystem::path& folder, const ExamParts& parts, const Progress& progress) {
-  if (is_exam(folder)) {
-    throw Error(folder.string() + ": holds an exam already; change it by `fathom exam update`, or name another folder");
-  }
-  if (parts.recordings.empty()) throw Error(folder.string() + ": an exam needs a recording; name at least one");
   Exam exam;
   exam.folder = folder;
+  return create_exam(std::move(exam), parts, progress);
+}
+
+Exam create_exam(Exam exam, const ExamParts& parts, const Progress& progress) {
+  const std::string folder = exam.folder.string();
+  if (is_exam(exam.folder)) {
+    throw Error(folder + ": holds an exam already; change it by `fathom exam update`, or name another folder");
+  }
+  if (parts.recordings.empty()) throw Error(folder + ": an exam needs a recording; name at least one");
+  exam.recordings.clear();
+  exam.calibration.clear();
+  exam.structures.clear();
   return put_in(std::move(exam), parts, progress);
 }
 
 Exam update_exam(Exam exam, const ExamParts& parts, const Progress& progress) {
+  // What was measured was measured of other inputs.
+  if (!parts.recordings.empty() || !parts.calibration.empty() || !parts.contours.empty()) exam.results = nullptr;
   return put_in(std::move(exam), parts, progress);
 }
 

@@ -14,6 +14,7 @@ namespace fathom {
 namespace {
 
 constexpr double kSmallest_mm = 1e-6;  // closer than any tracker tells apart
+constexpr double kRounding = 1e-15;    // of a normalised vector's length
 constexpr double kUnitLength = 1e-3;   // normals in files are typed by people, with few digits
 constexpr double kFarthest_mm = 1e6;   // a kilometre away is no plane of this patient
 constexpr int kMaxFrame = 1 << 30;
@@ -59,10 +60,12 @@ DividingPlane read_plane(const JsonValue& item) {
   if (numbers.size() != 3) numbers.fail("must have three numbers");
   Eigen::Vector3d normal;
   for (int i = 0; i < 3; ++i) normal[i] = numbers[static_cast<std::size_t>(i)].number();
-  if (std::abs(normal.norm() - 1.0) > kUnitLength) numbers.fail("must be a unit vector; divide it by its length");
+  const double off = std::abs(normal.norm() - 1.0);
+  if (off > kUnitLength) numbers.fail("must be a unit vector; divide it by its length");
   const double offset_mm = item.at("offset_mm").number();
   if (std::abs(offset_mm) > kFarthest_mm) item.at("offset_mm").fail("is farther than 1 km away; it is in millimetres");
-  return {normal.normalized(), -offset_mm};
+  // One that was normalised before it was written comes back to the bit.
+  return {off > kRounding ? normal.normalized() : normal, -offset_mm};
 }
 
 // Whether no other sweep's centre lies in the ball that has the way between these two as its diameter: then another

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "acquisition/live/folder_names.h"
 #include "core/error.h"
 
 namespace fathom {
@@ -51,7 +52,8 @@ std::vector<Sweep> find_sweeps(const Recording& recording, const FrameLocator& l
       const int steps = i - current->last;
       const bool pause = frame.time_s && last.time_s && *frame.time_s - *last.time_s > options.pause_s;
       const bool jump = (place_mm - before_mm).norm() > options.jump_mm * steps;
-      if (pause || jump || steps - 1 > options.lost_poses) finish();
+      const bool told = sweep_of(frame) != sweep_of(last);
+      if (pause || jump || told || steps - 1 > options.lost_poses) finish();
     }
     if (!current) current = Sweep{0, i, i};
     current->last = i;

@@ -31,7 +31,8 @@ struct FindSweepsOptions {
   void check() const;
 };
 
-/// The sweeps of a recording, in order. None where no frame is valid. `locator` is that of `recording`.
+/// The sweeps of a recording, in order. None where no frame is valid. Where the recorder was told of a new sweep, one
+/// begins. `locator` is that of `recording`.
 std::vector<Sweep> find_sweeps(const Recording& recording, const FrameLocator& locator,
                                const FindSweepsOptions& options = {});
 

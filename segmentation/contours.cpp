@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "segmentation/contour_entries.h"
 #include "segmentation/frame_list.h"
 
 namespace fathom {
@@ -47,31 +48,14 @@ std::string entry_start(int frame, int recording) {
 // The structure's contours, extremities and marks, each on a line of its own, by recording and frame.
 std::vector<std::string> entries(const Structure& structure) {
   std::vector<std::tuple<Place, std::size_t, std::string>> ordered;
-  const auto add = [&](int frame, int recording, std::string text) {
-    ordered.emplace_back(Place(recording, frame), ordered.size(), std::move(text));
+  const auto add = [&](const auto& items) {
+    for (const auto& item : items) {
+      ordered.emplace_back(Place(item.recording, item.frame), ordered.size(), entry_json(item));
+    }
   };
-  for (const Contour& contour : structure.contours) {
-    std::string text = entry_start(contour.frame, contour.recording);
-    text += contour.closed ? ", \"closed\": true" : ", \"closed\": false";
-    if (contour.confidence) {
-      text += ", \"confidence\": ";
-      append(text, *contour.confidence);
-    }
-    text += ", \"points\": [";
-    for (std::size_t i = 0; i < contour.points_px.size(); ++i) {
-      if (i > 0) text += ", ";
-      append(text, contour.points_px[i]);
-    }
-    add(contour.frame, contour.recording, text + "]}");
-  }
-  for (const Extremity& extremity : structure.extremities) {
-    std::string text = entry_start(extremity.frame, extremity.recording) + ", \"point\": ";
-    append(text, extremity.point_px);
-    add(extremity.frame, extremity.recording, text + "}");
-  }
-  for (const AbsentMark& mark : structure.absent) {
-    add(mark.frame, mark.recording, entry_start(mark.frame, mark.recording) + ", \"absent\": true}");
-  }
+  add(structure.contours);
+  add(structure.extremities);
+  add(structure.absent);
   std::sort(ordered.begin(), ordered.end());
   std::vector<std::string> lines;
   lines.reserve(ordered.size());
@@ -97,15 +81,43 @@ std::optional<std::string> name_fault(const std::string& name) {
   return std::nullopt;
 }
 
+std::string entry_json(const Contour& contour) {
+  std::string text = entry_start(contour.frame, contour.recording);
+  text += contour.closed ? ", \"closed\": true" : ", \"closed\": false";
+  if (contour.confidence) {
+    text += ", \"confidence\": ";
+    append(text, *contour.confidence);
+  }
+  text += ", \"points\": [";
+  for (std::size_t i = 0; i < contour.points_px.size(); ++i) {
+    if (i > 0) text += ", ";
+    append(text, contour.points_px[i]);
+  }
+  return text + "]}";
+}
+
+std::string entry_json(const Extremity& extremity) {
+  std::string text = entry_start(extremity.frame, extremity.recording) + ", \"point\": ";
+  append(text, extremity.point_px);
+  return text + "}";
+}
+
+std::string entry_json(const AbsentMark& mark) {
+  return entry_start(mark.frame, mark.recording) + ", \"absent\": true}";
+}
+
+std::string structure_json(const Structure& structure, const std::string& line_start) {
+  std::string text =
+      "{\"name\": " + quoted(structure.name) + ", \"color\": " + quoted(structure.color) + ", \"contours\": [";
+  const std::vector<std::string> lines = entries(structure);
+  for (std::size_t k = 0; k < lines.size(); ++k) text += (k > 0 ? "," + line_start : line_start) + lines[k];
+  return text + "]}";
+}
+
 std::string contours_json(const std::vector<Structure>& structures) {
   std::string text = "{\"fathom_contours\": 1, \"structures\": [";
   for (std::size_t i = 0; i < structures.size(); ++i) {
-    const Structure& structure = structures[i];
-    text += i > 0 ? ",\n" : "\n";
-    text += "{\"name\": " + quoted(structure.name) + ", \"color\": " + quoted(structure.color) + ", \"contours\": [";
-    const std::vector<std::string> lines = entries(structure);
-    for (std::size_t k = 0; k < lines.size(); ++k) text += (k > 0 ? ",\n  " : "\n  ") + lines[k];
-    text += "]}";
+    text += (i > 0 ? ",\n" : "\n") + structure_json(structures[i], "\n  ");
   }
   return text + "\n]}\n";
 }

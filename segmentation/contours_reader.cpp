@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/json.h"
+#include "segmentation/contour_entries.h"
 #include "segmentation/contours.h"
 
 namespace fathom {
@@ -38,6 +39,8 @@ Polygon read_points(const JsonValue& value) {
 
 int read_index(const JsonValue& value) { return value.integer(0, std::numeric_limits<int>::max()); }
 
+}  // namespace
+
 void read_entry(const JsonValue& value, Structure& structure) {
   const int frame = read_index(value.at("frame"));
   const int recording = value.has("recording") ? read_index(value.at("recording")) : 0;
@@ -64,6 +67,8 @@ void read_entry(const JsonValue& value, Structure& structure) {
     structure.contours.push_back(std::move(contour));
   }
 }
+
+namespace {
 
 // A frame is outlined, or an extremity, or without the structure; two of these contradict each other.
 void require_consistent(const JsonValue& value, const Structure& structure) {
@@ -98,6 +103,8 @@ std::string read_color(const JsonValue& value) {
   return color;
 }
 
+}  // namespace
+
 Structure read_structure(const JsonValue& value) {
   Structure structure;
   structure.name = read_name(value.at("name"));
@@ -107,8 +114,6 @@ Structure read_structure(const JsonValue& value) {
   require_consistent(contours, structure);
   return structure;
 }
-
-}  // namespace
 
 std::vector<Structure> read_contours(const std::filesystem::path& path) {
   const nlohmann::json document = JsonValue::read_file(path);
