@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "acquisition/live/recording_folder.h"
 #include "acquisition/recording.h"
 #include "acquisition/volume_file.h"
 #include "cli/command.h"
@@ -74,7 +75,7 @@ void convert_recording(const ConvertOptions& options) {
 }
 
 void run(const ConvertOptions& options) {
-  if (is_exam(options.in)) return convert_recording(options);
+  if (is_exam(options.in) || is_recording_folder(options.in)) return convert_recording(options);
   if (is_mesh_file(options.in)) return convert_mesh(options);
   if (is_volume_file(options.in)) return convert_volume(options);
   convert_recording(options);

@@ -23,7 +23,7 @@ struct RecorderOptions {
   /// Ends after so many frames; empty: by hand.
   std::optional<std::uint64_t> max_frames = {};
   /// Sweeps begin when the probe has been held still, and end when it is still again; empty: by hand.
-  std::optional<StillOptions> gate = {};
+  std::optional<HoldStillOptions> gate = {};
   /// Further fields for the recording's header.
   std::vector<std::pair<std::string, std::string>> fields = {};
 

@@ -44,7 +44,7 @@ std::optional<Eigen::Isometry3d> probe_pose(const TrackedFrame& frame) {
   return nearest_rigid(reference->matrix).inverse() * tracker_from_probe;
 }
 
-void StillOptions::check() const {
+void HoldStillOptions::check() const {
   require(duration_s, 0.1, 60.0, "the time to hold the probe still (s)");
   require(radius_mm, 0.01, 100.0, "the distance within which the probe is still (mm)");
   require(angle_deg, 0.01, 90.0, "the angle within which the probe is still (degrees)");

@@ -15,7 +15,7 @@ namespace fathom {
 /// tracker. Made of "ProbeTo..." or, where there is none, of the first transform. Empty where that is not valid.
 std::optional<Eigen::Isometry3d> probe_pose(const TrackedFrame& frame);
 
-struct StillOptions {
+struct HoldStillOptions {
   double duration_s = 0.7;  ///< the probe is still once it has been held so long
   double radius_mm = 1.5;   ///< within which its origin stays meanwhile: a hand trembles by less than a millimetre
   double angle_deg = 2.0;   ///< within which it turns meanwhile
@@ -27,7 +27,7 @@ struct StillOptions {
 /// Tells whether the probe is held still.
 class StillDetector {
  public:
-  explicit StillDetector(const StillOptions& options) : options_(options) {}
+  explicit StillDetector(const HoldStillOptions& options) : options_(options) {}
 
   /// Takes the pose at a time, later than those before; a lost pose begins again. Returns whether the probe has stayed
   /// within radius_mm and angle_deg of where it is now for duration_s.
@@ -39,7 +39,7 @@ class StillDetector {
     Eigen::Isometry3d pose;
   };
 
-  StillOptions options_;
+  HoldStillOptions options_;
   std::deque<At> poses_;
 };
 
@@ -53,7 +53,7 @@ enum class GateState {
 /// Opens when the probe has been held still, and closes when it has moved and is still again.
 class StillGate {
  public:
-  explicit StillGate(const StillOptions& options) : detector_(options), options_(options) {}
+  explicit StillGate(const HoldStillOptions& options) : detector_(options), options_(options) {}
 
   /// Takes the next frame; returns the state with it.
   GateState add(const TrackedFrame& frame);
@@ -63,7 +63,7 @@ class StillGate {
 
  private:
   StillDetector detector_;
-  StillOptions options_;
+  HoldStillOptions options_;
   GateState state_ = GateState::kWaitingForStill;
   bool was_still_ = false;  ///< where the sweep before ended, and not moved since
   std::optional<Eigen::Isometry3d> start_;

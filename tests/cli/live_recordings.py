@@ -150,7 +150,7 @@ def killed(program, folder, tally):
         patience_s = time.monotonic() + 60
         while not (raw.exists() and raw.stat().st_size > 0) and time.monotonic() < patience_s:
             time.sleep(0.002)
-        time.sleep(numbers.uniform(0, 1.0))
+        time.sleep(numbers.uniform(0, 0.7))
         killed_s = time.monotonic()
         child.send_signal(signal.SIGKILL)
         child.wait()

@@ -135,7 +135,7 @@ TEST(Recorder, PausesBeginsSweepsAndMarksThemInvalid) {
 
 TEST(Recorder, IsGatedByAProbeThatIsHeldStill) {
   const ScratchFolder scratch;
-  Recorder recorder(scratch / "scan", {.gate = StillOptions{.duration_s = 0.5}});
+  Recorder recorder(scratch / "scan", {.gate = HoldStillOptions{.duration_s = 0.5}});
   recorder.record();
   // Moves for 1 s, rests for 1 s, sweeps 100 mm for 2 s, rests for 2 s, moves away.
   const auto x_mm = [](double t) {
@@ -238,7 +238,7 @@ TEST(Recorder, TellsHowLongTheDiskWillDo) {
 TEST(RecorderOptions, RefusesWhatCannotBe) {
   EXPECT_NE(message_of<Error>([] { RecorderOptions{.sync_interval_s = 0.0}.check(); }), "");
   EXPECT_NE(message_of<Error>([] { RecorderOptions{.max_waiting_frames = 0}.check(); }), "");
-  EXPECT_NE(message_of<Error>([] { RecorderOptions{.gate = StillOptions{.radius_mm = 0.0}}.check(); }), "");
+  EXPECT_NE(message_of<Error>([] { RecorderOptions{.gate = HoldStillOptions{.radius_mm = 0.0}}.check(); }), "");
 }
 
 }  // namespace
