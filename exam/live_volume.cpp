@@ -17,11 +17,19 @@ struct OnFrame {
   std::vector<const AbsentMark*> absent;
 };
 
-std::map<int, OnFrame> by_frame(const Structure& structure) {
+// Of one sweep, or of all frames: then what is of another recording stays, to be complained about.
+std::map<int, OnFrame> by_frame(const Structure& structure, const Sweep* sweep = nullptr) {
   std::map<int, OnFrame> frames;
-  for (const Contour& contour : structure.contours) frames[contour.frame].contours.push_back(&contour);
-  for (const Extremity& extremity : structure.extremities) frames[extremity.frame].extremities.push_back(&extremity);
-  for (const AbsentMark& mark : structure.absent) frames[mark.frame].absent.push_back(&mark);
+  const auto add = [&](const auto& items, auto list) {
+    for (const auto& item : items) {
+      const bool here =
+          !sweep || (item.recording == static_cast<int>(sweep->recording) && contains(*sweep, item.frame));
+      if (here) (frames[item.frame].*list).push_back(&item);
+    }
+  };
+  add(structure.contours, &OnFrame::contours);
+  add(structure.extremities, &OnFrame::extremities);
+  add(structure.absent, &OnFrame::absent);
   return frames;
 }
 
@@ -50,12 +58,12 @@ Structure copy_of(const OnFrame& marks, const std::string& name) {
 }
 
 // The same frames with a point each in place of outlines: what is said of frames as such is said of these, too.
-Structure skeleton_of(const Structure& structure, const std::map<int, OnFrame>& frames) {
+Structure skeleton_of(const Structure& structure, const std::map<int, OnFrame>& frames, int recording) {
   Structure skeleton;
   skeleton.name = structure.name;
   skeleton.absent = structure.absent;
   for (const auto& [frame, marks] : frames) {
-    if (marks.absent.empty()) skeleton.extremities.push_back({frame, Eigen::Vector2d::Zero(), 0});
+    if (marks.absent.empty()) skeleton.extremities.push_back({frame, Eigen::Vector2d::Zero(), recording});
   }
   return skeleton;
 }
@@ -79,7 +87,47 @@ void LiveVolume::update_sections(const Structure& structure, const Scan& scan, s
     }
     if (known->second.section) sections_.push_back(*known->second.section);
   }
-  cross_sections(skeleton_of(structure, frames), locator, &warnings);
+  cross_sections(skeleton_of(structure, frames, 0), locator, &warnings);
+}
+
+SweepSections LiveVolume::update_sweep(const Structure& structure, const FrameLocator& locator, KeptSweep& kept) {
+  const std::map<int, OnFrame> frames = by_frame(structure, &kept.sweep);
+  std::erase_if(kept.frames, [&](const auto& known) { return !frames.contains(known.first); });
+  SweepSections made;
+  for (const auto& [frame, marks] : frames) {
+    auto known = kept.frames.find(frame);
+    if (known == kept.frames.end() || !is_same(marks, known->second.marks)) {
+      kept.frames.erase(frame);
+      Structure alone = copy_of(marks, structure.name);
+      std::vector<SectionOutline> section = section_outlines(alone, locator, kept.sweep);
+      known = kept.frames.insert({frame, {std::move(alone), std::move(section)}}).first;
+      ++frames_made_;
+    }
+    made.sections.insert(made.sections.end(), known->second.section.begin(), known->second.section.end());
+  }
+  const int recording = static_cast<int>(kept.sweep.recording);
+  section_outlines(skeleton_of(structure, frames, recording), locator, kept.sweep, &made.warnings);
+  return made;
+}
+
+VolumeMeasurement LiveVolume::measure_division(const Structure& structure, const Scan& scan, const Division& division) {
+  if (division.partition.planes().empty()) {
+    sweeps_.clear();
+    return measure_structures({structure}, scan, division, {.surfaces = false}).front().measurement;
+  }
+  const bool same = std::equal(sweeps_.begin(), sweeps_.end(), division.sweeps.begin(), division.sweeps.end(),
+                               [](const KeptSweep& kept, const Sweep& sweep) { return kept.sweep == sweep; });
+  if (!same) {
+    sweeps_.clear();
+    for (const Sweep& sweep : division.sweeps) sweeps_.push_back({sweep, {}});
+  }
+  std::vector<SweepSections> sections;
+  for (KeptSweep& kept : sweeps_) {
+    sections.push_back(update_sweep(structure, scan.locators[kept.sweep.recording], kept));
+  }
+  PartitionedVolume measured =
+      measure_partitions(structure, scan.locators, division.sweeps, division.partition, sections);
+  return division_result(structure, scan, division, std::move(measured)).measurement;
 }
 
 const VolumeMeasurement& LiveVolume::update(const Structure& structure, const Scan& scan,
@@ -90,8 +138,7 @@ const VolumeMeasurement& LiveVolume::update(const Structure& structure, const Sc
     if (division) {
       sections_.clear();
       frames_.clear();
-      measurement_ = measure_structures({structure}, scan, *division, {.surfaces = false}).front().measurement;
-      return measurement_;
+      return measurement_ = measure_division(structure, scan, *division);
     }
     std::vector<std::string> warnings;
     const RecordingHeader& header = scan.recordings.front()->header();

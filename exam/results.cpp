@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/error.h"
-#include "measurement/partition_volume.h"
 
 namespace fathom {
 
@@ -116,6 +115,33 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
   return results;
 }
 
+StructureResult division_result(const Structure& structure, const Scan& scan, const Division& division,
+                                PartitionedVolume measured) {
+  const bool divided = !division.partition.planes().empty();
+  StructureResult result;
+  result.name = structure.name;
+  std::vector<std::string>& warnings = result.measurement.warnings;
+  for (std::size_t i = 0; i < scan.recordings.size(); ++i) {
+    const RecordingHeader& header = scan.recordings[i]->header();
+    if (!header.has_images()) continue;
+    const auto warning = outside_image_warning(on_recording(structure, i), header.width, header.height);
+    if (warning) warnings.push_back(*warning);
+  }
+  warnings.insert(warnings.end(), measured.warnings.begin(), measured.warnings.end());
+  result.measurement.volumes = measured.total;
+  for (PartitionVolume& part : measured.partitions) {
+    result.measurement.sections += part.measurement.sections;
+    result.partitions.push_back({part.region,
+                                 part.sweep,
+                                 std::move(part.measurement),
+                                 {},
+                                 divided ? std::optional(part.missing_ml) : std::nullopt,
+                                 std::move(part.loss)});
+  }
+  if (result.partitions.empty()) warnings.push_back("no outline lies in a sweep: no volume; outline the structure");
+  return result;
+}
+
 std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Scan& scan,
                                                 const Division& division, const MeasureOptions& options,
                                                 const Progress& progress) {
@@ -125,30 +151,10 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
     const auto start = std::chrono::steady_clock::now();
     const double step = 1.0 / static_cast<double>(structures.size());
     const double done = step * static_cast<double>(results.size());
-    StructureResult result;
-    result.name = structure.name;
-    std::vector<std::string>& warnings = result.measurement.warnings;
-    for (std::size_t i = 0; i < scan.recordings.size(); ++i) {
-      const RecordingHeader& header = scan.recordings[i]->header();
-      if (!header.has_images()) continue;
-      const auto warning = outside_image_warning(on_recording(structure, i), header.width, header.height);
-      if (warning) warnings.push_back(*warning);
-    }
-    PartitionedVolume measured = divided
-                                     ? measure_partitions(structure, scan.locators, division.sweeps, division.partition)
-                                     : measure_sweeps(structure, scan.locators, division.sweeps);
-    warnings.insert(warnings.end(), measured.warnings.begin(), measured.warnings.end());
-    result.measurement.volumes = measured.total;
-    for (PartitionVolume& part : measured.partitions) {
-      result.measurement.sections += part.measurement.sections;
-      result.partitions.push_back({part.region,
-                                   part.sweep,
-                                   std::move(part.measurement),
-                                   {},
-                                   divided ? std::optional(part.missing_ml) : std::nullopt,
-                                   std::move(part.loss)});
-    }
-    if (result.partitions.empty()) warnings.push_back("no outline lies in a sweep: no volume; outline the structure");
+    StructureResult result =
+        division_result(structure, scan, division,
+                        divided ? measure_partitions(structure, scan.locators, division.sweeps, division.partition)
+                                : measure_sweeps(structure, scan.locators, division.sweeps));
     if (options.surfaces && !result.partitions.empty()) {
       const auto measure_part = divided ? measure_part_surfaces : measure_sweep_surfaces;
       measure_part(structure, scan, division, part_of(progress, done, done + step), result);

@@ -10,6 +10,7 @@
 #include "exam/confidence.h"
 #include "exam/scan.h"
 #include "exam/surface_volumes.h"
+#include "measurement/partition_volume.h"
 #include "measurement/planimetry.h"
 #include "registration/division.h"
 #include "registration/frame_locator.h"
@@ -57,6 +58,11 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
 std::vector<StructureResult> measure_structures(const std::vector<Structure>& structures, const Scan& scan,
                                                 const Division& division, const MeasureOptions& options = {},
                                                 const Progress& progress = {});
+
+/// What planimetry gives of one structure in several sweeps, with the warnings of its outlines: the result without
+/// surfaces. `measured` is of the division.
+StructureResult division_result(const Structure& structure, const Scan& scan, const Division& division,
+                                PartitionedVolume measured);
 
 /// The results as other programs read them: the keys of `fathom measure --json` (docs/file-formats.md). A method
 /// without an answer is null.

@@ -62,7 +62,7 @@ void warn_of_closed(const Structure& structure, const FrameLocator& locator, con
 }
 
 // The largest volume that another sweep shows in a region in which the sweep to use has no section.
-std::optional<PartitionVolume> unseen(const std::vector<std::vector<SectionOutline>>& sections,
+std::optional<PartitionVolume> unseen(const std::vector<std::span<const SectionOutline>>& sections,
                                       const SpacePartition& partition, std::size_t region, std::size_t sweep) {
   PartitionVolume part;
   part.region = region;
@@ -117,22 +117,36 @@ const FrameLocator& locator_of(std::span<const FrameLocator> locators, const Swe
   throw Error("a sweep is of recording " + std::to_string(sweep.recording) + ", which is not open; name its exam");
 }
 
+void require_planes(std::span<const Sweep> sweeps, const SpacePartition& partition) {
+  if (sweeps.size() < 2 || !partition.planes().empty()) return;
+  throw Error("there are " + std::to_string(sweeps.size()) +
+              " sweeps and no dividing planes, so that their volumes have no sum; add a plane, or measure one sweep");
+}
+
 }  // namespace
 
 PartitionedVolume measure_partitions(const Structure& structure, std::span<const FrameLocator> locators,
                                      std::span<const Sweep> sweeps, const SpacePartition& partition) {
-  if (sweeps.size() > 1 && partition.planes().empty()) {
-    throw Error("there are " + std::to_string(sweeps.size()) +
-                " sweeps and no dividing planes, so that their volumes have no sum; add a plane, or measure one sweep");
+  require_planes(sweeps, partition);
+  std::vector<SweepSections> sections(sweeps.size());
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    sections[s].sections =
+        section_outlines(structure, locator_of(locators, sweeps[s]), sweeps[s], &sections[s].warnings);
   }
+  return measure_partitions(structure, locators, sweeps, partition, sections);
+}
+
+PartitionedVolume measure_partitions(const Structure& structure, std::span<const FrameLocator> locators,
+                                     std::span<const Sweep> sweeps, const SpacePartition& partition,
+                                     std::span<const SweepSections> made) {
+  require_planes(sweeps, partition);
   PartitionedVolume result;
   if (auto unused = unused_outlines_warning(structure, sweeps)) result.warnings.push_back(std::move(*unused));
-  std::vector<std::vector<SectionOutline>> sections;
+  std::vector<std::span<const SectionOutline>> sections;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
-    const FrameLocator& locator = locator_of(locators, sweeps[s]);
-    std::vector<std::string> warnings;
-    sections.push_back(section_outlines(structure, locator, sweeps[s], &warnings));
-    warn_of_closed(structure, locator, sweeps[s], s, partition, warnings);
+    std::vector<std::string> warnings = made[s].warnings;
+    sections.emplace_back(made[s].sections);
+    warn_of_closed(structure, locator_of(locators, sweeps[s]), sweeps[s], s, partition, warnings);
     add_warnings(std::move(warnings), sweep_name(s) + ": ", result.warnings);
   }
   for (std::size_t region = 0; region < partition.region_count(); ++region) {

@@ -36,6 +36,18 @@ struct PartitionedVolume {
 PartitionedVolume measure_partitions(const Structure& structure, std::span<const FrameLocator> locators,
                                      std::span<const Sweep> sweeps, const SpacePartition& partition);
 
+/// The cross-sections of a structure in one sweep, as section_outlines makes them.
+struct SweepSections {
+  std::vector<SectionOutline> sections;
+  std::vector<std::string> warnings;
+};
+
+/// The same from sections that are there already, one for each sweep: for who keeps those of frames that did not
+/// change.
+PartitionedVolume measure_partitions(const Structure& structure, std::span<const FrameLocator> locators,
+                                     std::span<const Sweep> sweeps, const SpacePartition& partition,
+                                     std::span<const SweepSections> sections);
+
 /// Every sweep by itself, which needs no planes. Where several have sections they have no sum, since they may have seen
 /// the same part of the structure, and a warning says so. Throws Error as section_outlines.
 PartitionedVolume measure_sweeps(const Structure& structure, std::span<const FrameLocator> locators,

@@ -183,6 +183,13 @@ TEST_F(Live, VolumesFollowEveryEditAndEqualThoseMeasuredAnew) {
   expect_as_measured(live);
   document_->place_planes();
   expect_as_measured(live);
+  for (int i = 0; i < 12; ++i) {
+    const std::size_t c = static_cast<std::size_t>(i) % document_->structures()[0].contours.size();
+    const int frame = document_->structures()[0].contours[c].frame;
+    document_->replace_contour(0, c, {frame, blob(90, 50, random.uniform(5, 20), 30), i % 5 > 0, {}, 0});
+    if (i % 4 == 0) document_->remove_contour(0, c);
+    expect_as_measured(live);
+  }
 }
 
 TEST_F(Live, SurfacesEqualThoseMadeFromScratch) {
