@@ -172,6 +172,22 @@ def grey_values_follow_the_right_button(viewer, shared):
     assert run.picture("usual").count(white) > 1000 > run.picture("wide").count(white)
 
 
+def real_spine_sweep_is_opened(viewer, shared):
+    data = Path(__file__).resolve().parents[3] / "shared" / "data" / "plus"
+    if not data.exists():
+        print("        the recordings of shared/data are not beside this checkout")
+        return
+    info = json.loads(fathom(shared.program, "info", data / "SpinePhantomFreehand.igs.mha", "--json"))
+    run = viewer.run(data / "SpinePhantomFreehand.igs.mha", "--calibration",
+                     data / "PlusDeviceSet_SpinePhantomFreehandReconstructionOnly.xml", events=[
+                         IDLE, {"key": "D"}, {"drag": [at(150, 150), at(260, 150), at(260, 260), at(150, 260), at(150, 150)]},
+                         {"key": "Right"}, IDLE, DUMP, picture(of="pane:Review"), picture("space", "pane:Outline")])
+    assert run.state()["view"]["frames"] == info["frames"] and run.state()["document"]["calibrated"]
+    assert len(structure(run.state())["contours"]) == 1
+    assert run.picture().count(lambda r, g, b: r == g == b and 20 < r < 235) > 5000, "no B-scan is seen"
+    assert run.picture("space").count(lambda r, g, b: r > 50) > 500, "no frames are drawn in space"
+
+
 # Outlining.
 
 def five_frames_outlined_by_dragging(viewer, shared):
@@ -499,7 +515,7 @@ def damaged_scripts_are_refused(viewer, shared):
 
 
 SCENARIOS = [
-    exam_is_shown, recording_without_calibration_has_no_volume, dropped_calibration_gives_the_volume,
+    exam_is_shown, real_spine_sweep_is_opened, recording_without_calibration_has_no_volume, dropped_calibration_gives_the_volume,
     dropped_exam_is_opened, frames_are_stepped_through, timeline_is_dragged, image_is_zoomed_and_moved,
     grey_values_follow_the_right_button, five_frames_outlined_by_dragging, outline_set_point_by_point,
     last_points_removed_while_drawing, line_given_up, undone_to_nothing_and_redone_to_the_same_bytes,
