@@ -35,6 +35,24 @@ BENCHMARK_CAPTURE(RenderFrame, glove, "glove");
 BENCHMARK_CAPTURE(RenderFrame, hat, "hat");
 BENCHMARK_CAPTURE(RenderFrame, kidney, "kidney");
 
+// A scene's B-scan of 640 x 480 pixels, on one thread.
+void SceneFrame(benchmark::State& state, const char* object) {
+  cv::setNumThreads(1);
+  fathom::SimulateOptions options = options_of(object);
+  options.speckle.emplace();
+  const fathom::SimulatedScan scan = fathom::simulate(options);
+  int frame = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(scan.recording->image(frame).data);
+    frame = (frame + 1) % kFrames;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK_CAPTURE(SceneFrame, bladder, "bladder");
+BENCHMARK_CAPTURE(SceneFrame, bladder_prostate, "bladder-prostate");
+BENCHMARK_CAPTURE(SceneFrame, ducts, "ducts");
+BENCHMARK_CAPTURE(SceneFrame, foetus, "foetus");
+
 void OutlineFrame(benchmark::State& state, const char* object) {
   const fathom::Phantom phantom = fathom::make_phantom(object);
   const fathom::ScanPath path = fathom::make_scan_path(phantom, "free");

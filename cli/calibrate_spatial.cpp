@@ -200,8 +200,7 @@ void add_calibrate_spatial(CLI::App& calibrate) {
       ->required();
   command->add_option("--out", options->out, "The calibration to write, as JSON")->required();
   command->add_option("--validate", options->validation, "A second sweep over the same phantom, to test on");
-  command->add_option("--picture", options->picture, "Writes where the errors lie: .png")
-      ->check(CLI::Validator([](std::string& text) { return text.ends_with(".png") ? "" : "must end in .png"; }, ""));
+  command->add_option("--picture", options->picture, "Writes where the errors lie: .png")->check(png_name());
   auto* water = command->add_option("--water-temperature-c", options->water_celsius,
                                     "Of the bath: depths are corrected for sound's speed in water, for use in tissue");
   water->check(between(0, 95));

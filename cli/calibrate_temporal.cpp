@@ -8,7 +8,7 @@
 #include "cli/output.h"
 #include "core/text_file.h"
 #include "registration/calibration.h"
-#include "registration/temporal_calibration.h"
+#include "registration/temporal_motion.h"
 
 namespace fathom {
 
@@ -54,9 +54,9 @@ void run(const TemporalCommand& command) {
   const auto image = open_recording(command.image);
   const auto tracker = command.tracker.empty() ? nullptr : open_recording(command.tracker);
   const Recording& tracked = tracker ? *tracker : *image;
-  const Signal motion = motion_signal(probe_poses(tracked, find_pose_chain(tracked, command.names)));
+  const ProbePoses poses = probe_poses(tracked, find_pose_chain(tracked, command.names));
   const Signal depth = floor_signal(*image, detect_wall(*image, {}, progress_bar("looking for the floor")));
-  const TemporalCalibration fit = find_latency(depth, motion, command.fit);
+  const TemporalCalibration fit = find_latency(depth, poses, command.fit);
   if (!command.out.empty()) {
     nlohmann::ordered_json document{{"fathom_latency", 1}};
     document.update(results(fit));

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/exam_export.h"
 #include "cli/output.h"
 #include "core/error.h"
 #include "exam/make_exam.h"
@@ -64,6 +65,8 @@ void add_exam(CLI::App& app) {
   command->require_subcommand(1);
   add(*command, "create", "Make an exam; files from elsewhere are copied into it", true);
   add(*command, "update", "Add recordings to an exam, or replace its calibration, contours and texts", false);
+  add_exam_report(*command);
+  add_exam_export(*command);
 }
 
 }  // namespace fathom

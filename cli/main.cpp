@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   fathom::add_segment(app);
   fathom::add_sweeps(app);
   fathom::add_planes(app);
+  fathom::add_propagate(app);
   fathom::add_measure(app);
   fathom::add_surface(app);
   fathom::add_reslice(app);
@@ -49,6 +50,8 @@ int main(int argc, char** argv) {
   fathom::add_eqnsurf(app);
   fathom::add_calibrate(app);
   fathom::add_register(app);
+  fathom::add_devices(app);
+  fathom::add_serve(app);
   fathom::add_demo(app);
   fathom::add_view(app);
 

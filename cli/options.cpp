@@ -84,6 +84,10 @@ CLI::Validator whole_number() {
       "");
 }
 
+CLI::Validator png_name() {
+  return CLI::Validator([](std::string& text) { return text.ends_with(".png") ? kAccepted : "must end in .png"; }, "");
+}
+
 CLI::Validator structure_name() {
   return CLI::Validator([](std::string& text) { return name_fault(text).value_or(kAccepted); }, "");
 }

@@ -26,6 +26,9 @@ CLI::Validator between(double low, double high);
 /// Accepts whole numbers from 0 to 2^64 - 1.
 CLI::Validator whole_number();
 
+/// Accepts the name of a picture to write.
+CLI::Validator png_name();
+
 /// Accepts what a contours file takes for the name of a structure.
 CLI::Validator structure_name();
 

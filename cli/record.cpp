@@ -8,7 +8,6 @@
 
 #include <unistd.h>
 
-#include "acquisition/live/default_sources.h"
 #include "acquisition/live/live_session.h"
 #include "acquisition/live/recorder.h"
 #include "cli/command.h"
@@ -17,6 +16,7 @@
 #include "cli/output.h"
 #include "core/error.h"
 #include "core/printable.h"
+#include "sim/live_simulation.h"
 
 namespace fathom {
 
@@ -114,7 +114,7 @@ struct Recorded {
 };
 
 Recorded record(const RecordCommand& command) {
-  const SourceRegistry sources = default_sources();
+  const SourceRegistry sources = all_sources();
   auto images = sources.make(command.images);
   auto tracker = command.tracker.empty() || command.tracker == command.images ? nullptr : sources.make(command.tracker);
   RecorderOptions options = command.recorder;
@@ -181,7 +181,8 @@ void add_record(CLI::App& app) {
   auto options = std::make_shared<RecordCommand>();
   CLI::App* command = app.add_subcommand("record", "Record images and poses from live sources");
   std::string forms;
-  for (const auto& [name, scheme] : default_sources().schemes()) forms += (forms.empty() ? "" : ", ") + scheme.form;
+  const SourceRegistry sources = all_sources();
+  for (const auto& [name, scheme] : sources.schemes()) forms += (forms.empty() ? "" : ", ") + scheme.form;
   command->add_option("--image", options->images, "Where images come from: " + forms)->required();
   command->add_option("--tracker", options->tracker, "Where poses come from (default: the image's source)");
   command->add_option("--out", options->out, "The folder to make and record into")->required();

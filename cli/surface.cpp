@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "acquisition/recording.h"
@@ -14,6 +13,7 @@
 #include "cli/output.h"
 #include "cli/scan_input.h"
 #include "core/atomic_file.h"
+#include "exam/structure_files.h"
 #include "measurement/contour_surface.h"
 #include "measurement/partition_surface.h"
 #include "measurement/partition_volume.h"
@@ -57,41 +57,11 @@ std::vector<Structure> chosen_structures(const SurfaceCommand& command, const st
   throw Error(contours + ": has no structure '" + command.structure + "'; it has " + names);
 }
 
-// One mesh goes to the file itself, several to files that bear the structures' names before the extension.
-std::vector<std::filesystem::path> files_for(const SurfaceCommand& command, const std::vector<Structure>& structures) {
-  const std::filesystem::path out = command.out;
-  if (structures.size() == 1) return {out};
-  std::vector<std::filesystem::path> files;
-  std::set<std::string> used;
-  for (const Structure& structure : structures) {
-    std::string name = structure.name;
-    for (char& c : name) {
-      if (c == '/' || c == '\\') c = '_';
-    }
-    if (!used.insert(name).second) {
-      throw Error("two structures would both be written to the file of '" + name +
-                  "'; rename one, or choose one by --structure");
-    }
-    std::filesystem::path file = out;
-    file.replace_filename(out.stem().string() + "." + name + out.extension().string());
-    files.push_back(file);
-  }
-  return files;
-}
-
 // What was made of one structure.
 struct Made {
   MeshReport mesh;
   std::optional<PartitionedSurface> parts;  // over several sweeps
 };
-
-void write(const Mesh& mesh, const Structure& structure, AtomicFile& file, const Progress& progress) {
-  MeshWriteOptions options;
-  const unsigned long rgb = std::stoul(structure.color.substr(1), nullptr, 16);
-  options.color = {static_cast<std::uint8_t>(rgb >> 16), static_cast<std::uint8_t>(rgb >> 8 & 0xff),
-                   static_cast<std::uint8_t>(rgb & 0xff)};
-  write_mesh(mesh, file, options, progress);
-}
 
 void add_warnings(const std::vector<std::string>& of_surface, const Mesh& mesh, const AtomicFile& file,
                   MeshReport& report) {
@@ -119,7 +89,7 @@ Made make_surface(const SurfaceCommand& command, const Structure& structure, con
                   const std::optional<Division>& division, AtomicFile& file, const Progress& progress) {
   ContourSurface surface(locator, command.surface);
   const Mesh& mesh = surface.update(structure, part_of(progress, 0.0, 0.9));
-  write(mesh, structure, file, part_of(progress, 0.9, 1.0));
+  write_structure_mesh(mesh, structure, file, part_of(progress, 0.9, 1.0));
   MeshReport report = report_of(mesh, "a surface through contours is always closed: please report this");
   // Planimetry refuses sweeps in which a volume has no meaning.
   report.volume_ml = surface.volume_ml();
@@ -145,7 +115,7 @@ Made make_parts(const SurfaceCommand& command, const Structure& structure, const
   PartitionedSurface surface =
       partition_surface(structure, scan.locators, whole, command.surface, caps, part_of(progress, 0.0, 0.9));
   const Mesh mesh = surface.mesh();
-  write(mesh, structure, file, part_of(progress, 0.9, 1.0));
+  write_structure_mesh(mesh, structure, file, part_of(progress, 0.9, 1.0));
   MeshReport report = report_of(mesh, "leave out --open");
   if (command.open) report.warnings.clear();  // as was asked for
   report.volume_ml = surface.volume_ml;
@@ -212,7 +182,7 @@ void run(const SurfaceCommand& command) {
   if (command.open && !divided) throw CLI::ValidationError("--open", "needs dividing planes: --planes, or an exam's");
   require_measurable(structures, frame_counts(scan), divided ? OpenContours::kAllow : OpenContours::kRefuse, contours);
   require_simple_outlines(structures, contours);
-  const std::vector<std::filesystem::path> paths = files_for(command, structures);
+  const std::vector<std::filesystem::path> paths = structure_files(command.out, structures);
 
   const Progress progress = progress_bar("making the surface");
   std::vector<std::unique_ptr<AtomicFile>> files;

@@ -26,6 +26,17 @@ struct DocumentOptions {
   bool autosave = true;  ///< false: a crash loses what was not saved
 };
 
+/// A document as it was at one moment, for work beside the main thread.
+struct DocumentSnapshot {
+  std::string title;
+  Exam exam;  ///< as it would be saved, but with the names of files that it was opened with
+  std::shared_ptr<const Scan> scan;
+  std::vector<std::filesystem::path> recordings;  ///< the files
+  std::filesystem::path calibration;              ///< the file; empty where there is none, and nothing may be measured
+  std::vector<Structure> structures;
+  std::optional<Division> division;
+};
+
 /// A document on its way to the disk: made by Document::begin_save, written by any thread, reported to finish_save.
 struct PendingSave {
   Exam exam;  ///< with the folder to save to
@@ -78,6 +89,8 @@ class Document {
   /// How sweeps share space, as `fathom measure` would take them; empty where the scan is taken as one sweep. Kept
   /// until it changes. Throws Error as SpacePartition and find_sweeps do.
   const std::optional<Division>& division() const;
+  /// Throws Error as division().
+  DocumentSnapshot snapshot() const;
   /// What the user must be told of opening and saving, in order.
   const std::vector<std::string>& messages() const { return messages_; }
 

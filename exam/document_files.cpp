@@ -118,6 +118,10 @@ Exam Document::exam_to_save() const {
   return exam;
 }
 
+DocumentSnapshot Document::snapshot() const {
+  return {title(), exam_to_save(), scan_, recordings_, calibration_, content_.structures, division()};
+}
+
 std::shared_ptr<PendingSave> Document::begin_save() {
   end_action();
   if (!has_folder()) throw Error(title() + ": is no exam yet; save it as one, in a folder of its own");

@@ -34,14 +34,17 @@ class Intake {
   std::string recording(const std::filesystem::path& file, const Progress& progress) {
     const auto opened = open_recording(file);
     if (const auto name = name_inside(file)) return *name;
-    const std::string name = copy(file);
-    try {
-      open_recording(staged_.path() / name);
-      return name;
-    } catch (const Error&) {
-      // Its pixels are in another file: both become one.
-      std::filesystem::remove(staged_.path() / name);
+    if (!std::filesystem::is_directory(file)) {
+      const std::string name = copy(file);
+      try {
+        open_recording(staged_.path() / name);
+        return name;
+      } catch (const Error&) {
+        // Its pixels are in another file: both become one.
+        std::filesystem::remove(staged_.path() / name);
+      }
     }
+    // A recording folder's too.
     const std::string whole = free_name(file.stem().string(), ".mha");
     write_recording(*opened, staged_.path() / whole, {}, progress);
     return whole;

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
+#include "exam/frame_drawing.h"
 #include "exam/scene_view.h"
 
 namespace fathom {
@@ -18,58 +19,8 @@ constexpr int kLongestPngSide = 1000000;  // libpng refuses more
 
 constexpr int kPane = 900;  // pixels, side of each of the two panes
 constexpr int kMargin = 40;
-constexpr int kLine = 30;     // height of a caption
-constexpr int kFraction = 4;  // bits of sub-pixel precision of OpenCV's drawing
-const cv::Scalar kBackground(24, 17, 13);
-const cv::Scalar kPost(92, 80, 70);
-const cv::Scalar kText(225, 220, 215);
+constexpr int kLine = 30;  // height of a caption
 const cv::Scalar kHighlight(70, 180, 255);
-
-std::vector<cv::Point> fixed_point(std::span<const Eigen::Vector2d> points) {
-  std::vector<cv::Point> fixed;
-  for (const Eigen::Vector2d& point : points) {
-    fixed.emplace_back(cvRound(std::ldexp(point.x(), kFraction)), cvRound(std::ldexp(point.y(), kFraction)));
-  }
-  return fixed;
-}
-
-void draw_polyline(cv::Mat& canvas, std::span<const Eigen::Vector2d> points, bool closed, const cv::Scalar& color,
-                   int thickness) {
-  cv::polylines(canvas, std::vector{fixed_point(points)}, closed, color, thickness, cv::LINE_AA, kFraction);
-}
-
-void draw_text(cv::Mat& canvas, const std::string& text, int x, int y) {
-  cv::putText(canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, 0.62, kText, 1, cv::LINE_AA);
-}
-
-// The largest grey value becomes white, the smallest black, if the image is not of 8 bits already.
-cv::Mat display_image(const cv::Mat& image) {
-  cv::Mat grey = image;
-  if (image.depth() != CV_8U) cv::normalize(image, grey, 0, 255, cv::NORM_MINMAX, CV_8U);
-  cv::Mat color;
-  cv::cvtColor(grey, color, grey.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_GRAY2BGR);
-  return color;
-}
-
-void draw_frame(cv::Mat& pane, const cv::Mat& image, const std::vector<Structure>& structures, int frame) {
-  const double scale = std::min((pane.cols - 2.0 * kMargin) / image.cols, (pane.rows - 2.0 * kMargin) / image.rows);
-  const Eigen::Vector2d origin(0.5 * (pane.cols - scale * image.cols), 0.5 * (pane.rows - scale * image.rows));
-  cv::Mat enlarged;
-  cv::resize(display_image(image), enlarged, {}, scale, scale, cv::INTER_LINEAR);
-  const cv::Rect place(cv::Point(cvRound(origin.x()), cvRound(origin.y())), enlarged.size());
-  enlarged.convertTo(pane(place), -1, 0.75);  // dimmed, so that the contour stands out on white
-  cv::rectangle(pane, place, kPost, 1);
-  for (const Structure& structure : structures) {
-    for (const Contour& contour : structure.contours) {
-      if (contour.frame != frame) continue;
-      Polygon drawn;
-      for (const Eigen::Vector2d& point : contour.points_px) {
-        drawn.push_back(origin + scale * (point + Eigen::Vector2d(0.5, 0.5)));
-      }
-      draw_polyline(pane, drawn, contour.closed, color_of(structure), 2);
-    }
-  }
-}
 
 // A contour or the goal post of a frame, in space.
 struct SpaceLine {
@@ -110,15 +61,15 @@ void draw_space(cv::Mat& pane, std::vector<SpaceLine> lines, const Eigen::Matrix
     }
     if (line.filled) {
       cv::Mat over = pane.clone();
-      cv::fillPoly(over, std::vector{fixed_point(drawn)}, line.color, cv::LINE_AA, kFraction);
+      cv::fillPoly(over, std::vector{fixed_point(drawn)}, line.color, cv::LINE_AA, kFractionBits);
       cv::addWeighted(over, 0.18, pane, 0.82, 0.0, pane);
     }
     draw_polyline(pane, drawn, line.closed, line.color, line.thickness);
   }
   const double bar_mm = round_length_mm(0.25 * free / scale);
   const cv::Point start(kMargin, pane.rows - kMargin);
-  cv::line(pane, start, start + cv::Point(cvRound(bar_mm * scale), 0), kText, 2, cv::LINE_AA);
-  draw_text(pane, cv::format("%g mm", bar_mm), start.x, start.y - 12);
+  cv::line(pane, start, start + cv::Point(cvRound(bar_mm * scale), 0), kPictureText, 2, cv::LINE_AA);
+  draw_text(pane, cv::format("%g mm", bar_mm), start - cv::Point(0, 12));
 }
 
 std::vector<SpaceLine> lines_in_space(const RecordingHeader& header, const FrameLocator& locator,
@@ -145,7 +96,7 @@ std::vector<SpaceLine> lines_in_space(const RecordingHeader& header, const Frame
     // Open at the probe's side, so that it is seen which way the probe looked.
     const Eigen::Affine3d reference_from_image = *locator.reference_from_image(outlined);
     const double right = header.width - 1.0, bottom = header.height - 1.0;
-    SpaceLine post{{}, outlined == frame ? kHighlight : kPost, false, false, 1};
+    SpaceLine post{{}, outlined == frame ? kHighlight : kPictureLine, false, false, 1};
     for (const Eigen::Vector3d& corner : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, bottom, 0),
                                           Eigen::Vector3d(right, bottom, 0), Eigen::Vector3d(right, 0, 0)}) {
       post.points.push_back(reference_from_image * corner);
@@ -168,14 +119,13 @@ cv::Mat report_picture(const Recording& recording, const FrameLocator& locator,
   if (outlined.empty()) throw Error(recording.name() + ": no outlined frame has a known pose; nothing to picture");
 
   const int caption_height = kMargin + kLine * static_cast<int>(captions.size());
-  cv::Mat canvas(kPane + caption_height, 2 * kPane, CV_8UC3, kBackground);
-  cv::Mat left = canvas(cv::Rect(0, 0, kPane, kPane));
+  cv::Mat canvas(kPane + caption_height, 2 * kPane, CV_8UC3, kPictureBackground);
   cv::Mat right = canvas(cv::Rect(kPane, 0, kPane, kPane));
-  draw_frame(left, image, structures, frame);
+  draw_frame(canvas, {kMargin, kMargin, kPane - 2 * kMargin, kPane - 2 * kMargin}, image, structures, frame, 0, 2);
   draw_space(right, std::move(lines), scene_view(outlined, mean_depth(locator, structures)));
-  draw_text(left, "frame " + std::to_string(frame), kMargin, kMargin - 12);
+  draw_text(canvas, "frame " + std::to_string(frame), {kMargin, kMargin - 12});
   for (std::size_t i = 0; i < captions.size(); ++i) {
-    draw_text(canvas, captions[i], kMargin, kPane + kLine * static_cast<int>(i + 1));
+    draw_text(canvas, captions[i], {kMargin, kPane + kLine * static_cast<int>(i + 1)});
   }
   return canvas;
 }

@@ -7,6 +7,7 @@
 
 #include "measurement/frame_marks.h"
 #include "measurement/lost_frames.h"
+#include "measurement/marked_sections.h"
 #include "segmentation/frame_list.h"
 #include "segmentation/outline_topology.h"
 
@@ -70,10 +71,15 @@ PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons) {
 
 std::vector<CrossSection> cross_sections(const Structure& structure, const FrameLocator& locator,
                                          std::vector<std::string>* warnings) {
+  return cross_sections(frame_marks(structure, locator), locator, warnings);
+}
+
+std::vector<CrossSection> cross_sections(std::span<const FrameMarks> all, const FrameLocator& locator,
+                                         std::vector<std::string>* warnings) {
   std::vector<CrossSection> sections;
   std::vector<int> lost;
   std::vector<int> absent;
-  for (const FrameMarks& marks : frame_marks(structure, locator)) {
+  for (const FrameMarks& marks : all) {
     if (marks.absent) {
       absent.push_back(marks.frame);
       continue;

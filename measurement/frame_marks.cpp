@@ -15,11 +15,11 @@ namespace {
 // Names the structure and the frame in what goes wrong.
 class Complaint {
  public:
-  Complaint(const Structure& structure, const FrameLocator& locator) : structure_(structure), locator_(locator) {}
+  Complaint(const Structure& structure, const std::string& recording, int frame_count)
+      : structure_(structure), recording_(recording), frame_count_(frame_count) {}
 
   [[noreturn]] void about(int frame, const std::string& what) const {
-    throw Error(locator_.recording_name() + ": structure " + structure_.name + ", frame " + std::to_string(frame) +
-                ": " + what);
+    throw Error(recording_ + ": structure " + structure_.name + ", frame " + std::to_string(frame) + ": " + what);
   }
 
   void require_place(int frame, int recording) const {
@@ -27,21 +27,26 @@ class Complaint {
       about(frame, "stands on recording " + std::to_string(recording) +
                        " of an exam; give the contours that were drawn on this recording alone");
     }
-    if (frame < 0 || frame >= locator_.frame_count()) {
-      about(frame, "is not in the recording, which has " + std::to_string(locator_.frame_count()) +
+    if (frame < 0 || frame >= frame_count_) {
+      about(frame, "is not in the recording, which has " + std::to_string(frame_count_) +
                        " frames, numbered from 0; give the contours that were drawn on this recording");
     }
   }
 
  private:
   const Structure& structure_;
-  const FrameLocator& locator_;
+  const std::string& recording_;
+  int frame_count_;
 };
 
 }  // namespace
 
 std::vector<FrameMarks> frame_marks(const Structure& structure, const FrameLocator& locator) {
-  const Complaint complaint(structure, locator);
+  return frame_marks(structure, locator.recording_name(), locator.frame_count());
+}
+
+std::vector<FrameMarks> frame_marks(const Structure& structure, const std::string& recording, int frame_count) {
+  const Complaint complaint(structure, recording, frame_count);
   const std::size_t contours = structure.contours.size();
   const std::size_t extremities = structure.extremities.size();
   std::vector<std::pair<int, std::size_t>> order;  // frame and number: contours, then extremities, then absences

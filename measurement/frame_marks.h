@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,5 +24,8 @@ struct FrameMarks {
 /// have or on another recording of an exam, crosses itself or another one of its frame, or is open, and when a frame
 /// has marks that exclude each other.
 std::vector<FrameMarks> frame_marks(const Structure& structure, const FrameLocator& locator);
+
+/// The same where no poses are needed: `recording` is named in messages.
+std::vector<FrameMarks> frame_marks(const Structure& structure, const std::string& recording, int frame_count);
 
 }  // namespace fathom

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "measurement/frame_marks.h"
+#include "measurement/marked_sections.h"
 #include "segmentation/outline_topology.h"
 
 namespace fathom {
@@ -118,8 +119,9 @@ std::vector<SectionOutline> section_outlines(const Structure& structure, const F
                                              const Sweep& sweep, std::vector<std::string>* warnings) {
   const Structure here = part_in_sweep(structure, sweep);
   std::vector<SectionOutline> sections;
-  const std::vector<CrossSection> wholes = cross_sections(here, locator, warnings);
-  for (const FrameMarks& marks : frame_marks(here, locator)) {
+  const std::vector<FrameMarks> all = frame_marks(here, locator);
+  const std::vector<CrossSection> wholes = cross_sections(all, locator, warnings);
+  for (const FrameMarks& marks : all) {
     const auto whole = std::find_if(wholes.begin(), wholes.end(),
                                     [&](const CrossSection& section) { return section.frame == marks.frame; });
     const auto reference_from_image = locator.reference_from_image(marks.frame);

@@ -174,14 +174,20 @@ void set_covariance(const Poses& poses, const std::vector<bool>& used, const Poi
 }
 
 void require_good(const ProbePoses& tool, const PivotCalibration& result, const PivotOptions& options) {
+  const bool known = result.covariance.allFinite() && result.tip_in_tool_mm.allFinite() && std::isfinite(result.rms_mm);
+  if (!known) {
+    throw Error(tool.recording() + ": the poses do not determine the tip; tilt the tool farther and to all sides");
+  }
   if (result.rms_mm > options.max_rms_mm || result.poses_used < options.min_share * result.poses_valid) {
     throw Error(tool.recording() + ": the poses agree on no tip (" + std::to_string(result.poses_used) + " of " +
                 std::to_string(result.poses_valid) + " to " + std::to_string(std::lround(result.rms_mm)) +
                 " mm); keep the tip in its dimple while the recording runs");
   }
-  if (result.tip_sd_mm().maxCoeff() > options.max_tip_sd_mm) {
+  // Not a number where rounding leaves a variance below 0.
+  if (!(result.tip_sd_mm().maxCoeff<Eigen::PropagateNaN>() <= options.max_tip_sd_mm)) {
     throw Error(tool.recording() + ": the tip is determined only to " +
-                std::to_string(std::lround(std::ceil(result.tip_sd_mm().maxCoeff()))) +
+                std::to_string(
+                    std::lround(std::ceil(result.covariance.diagonal().head<3>().cwiseAbs().cwiseSqrt().maxCoeff()))) +
                 " mm; tilt the tool farther and to all sides, and record for longer");
   }
 }

@@ -74,10 +74,13 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
   const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * normal * size.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   constexpr double kSingular = 1e-11;
-  if (eigen.eigenvalues()[0] < kSingular || !eigen.eigenvectors().allFinite()) {
+  const auto require_determined = [&](bool determined) {
+    if (determined) return;
     throw Error(poses.recording() + ": the motion does not determine the calibration: " +
                 movement_to_add(poses, frames_of(observations, fit.used), fit.state, options.target));
-  }
+  };
+  // Written so that what is not a number fails too.
+  require_determined(eigen.eigenvalues()[0] >= kSingular && eigen.eigenvectors().allFinite());
   const Eigen::MatrixXd inverse =
       size.cwiseInverse().asDiagonal() *
       (eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose()) *
@@ -98,6 +101,7 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
   const double together = correlated_neighbours(gradients * size.cwiseInverse().asDiagonal());
   fit.covariance = together * inverse * sum * inverse;
   fit.covariance = (0.5 * (fit.covariance + fit.covariance.transpose())).eval();
+  require_determined(fit.covariance.allFinite() && std::isfinite(squares));
   // The place of a pixel seen: how its error there depends on the calibration's own parameters.
   fit.worst_point_sd_mm = 0.0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
@@ -112,7 +116,7 @@ void set_covariance(const ProbePoses& poses, const std::vector<SpatialObservatio
       own.col(c) = parameter < kLatency ? Eigen::Vector3d(jacobian.col(parameter)) : Eigen::Vector3d::Zero();
     }
     fit.worst_point_sd_mm =
-        std::max(fit.worst_point_sd_mm, std::sqrt((own * fit.covariance * own.transpose()).trace()));
+        std::max(fit.worst_point_sd_mm, std::sqrt(std::max(0.0, (own * fit.covariance * own.transpose()).trace())));
   }
   fit.rms_mm = 0.0;
   const auto points = std::count(fit.used.begin(), fit.used.end(), true);

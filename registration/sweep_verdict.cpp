@@ -1,13 +1,10 @@
 #include "registration/sweep_verdict.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 #include "acquisition/live/folder_names.h"
-#include "acquisition/live/still_gate.h"
-#include "acquisition/rigid.h"
 #include "core/error.h"
 #include "core/numbers.h"
 #include "core/statistics.h"
@@ -18,59 +15,8 @@ namespace fathom {
 namespace {
 
 constexpr double kGapFactor = 2.5;  // of the usual interval: one frame lost, and the rest jitter
-constexpr double kJitterWindow_s = 0.5;
-constexpr int kFewSamples = 5;  // of a window: fewer say nothing
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 using Corners = std::vector<Eigen::Vector3d>;
-
-// Poses of a still probe, half a second of them.
-class JitterWindow {
- public:
-  // Sums of squares about the mean, each over as many samples less one.
-  struct Sums {
-    double position_mm2 = 0.0;
-    double angle_rad2 = 0.0;
-    int freedom = 0;
-  };
-
-  bool empty() const { return places_.empty(); }
-  double start_s() const { return start_s_; }
-
-  void add(double time_s, const Eigen::Isometry3d& pose) {
-    if (places_.empty()) {
-      start_s_ = time_s;
-      first_ = pose;
-    }
-    places_.push_back(pose.translation());
-    const Eigen::AngleAxisd turn(first_.linear().transpose() * pose.linear());
-    turns_.push_back(turn.angle() * turn.axis());
-  }
-
-  void finish(Sums& sums) {
-    if (static_cast<int>(places_.size()) >= kFewSamples) {
-      sums.position_mm2 += about_mean(places_);
-      sums.angle_rad2 += about_mean(turns_);
-      sums.freedom += static_cast<int>(places_.size()) - 1;
-    }
-    places_.clear();
-    turns_.clear();
-  }
-
- private:
-  static double about_mean(const Corners& values) {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& value : values) mean += value / static_cast<double>(values.size());
-    double sum = 0.0;
-    for (const Eigen::Vector3d& value : values) sum += (value - mean).squaredNorm();
-    return sum;
-  }
-
-  double start_s_ = 0.0;
-  Eigen::Isometry3d first_ = Eigen::Isometry3d::Identity();
-  Corners places_;
-  Corners turns_;
-};
 
 Corners corners_of(const Eigen::AlignedBox3d& box) {
   Corners corners;
@@ -251,30 +197,6 @@ void VerdictOptions::check() const {
   require(max_step_mm, "the largest step between frames (mm)");
   require(max_jitter_mm, "the largest jitter (mm)");
   require(max_jitter_deg, "the largest jitter (degrees)");
-}
-
-std::optional<TrackerJitter> tracker_jitter(std::span<const TrackerSample> samples) {
-  // Wider than what is found too much: an unsteady tracker must not pass for a moving hand.
-  StillDetector detector({.duration_s = kJitterWindow_s, .radius_mm = 5.0, .angle_deg = 5.0});
-  JitterWindow window;
-  JitterWindow::Sums sums;
-  double still_s = 0.0;
-  double last_s = 0.0;
-  for (const TrackerSample& sample : samples) {
-    const bool usable = sample.pose.valid() && is_rigid(sample.pose.matrix);
-    const auto pose = usable ? std::optional(nearest_rigid(sample.pose.matrix)) : std::nullopt;
-    const bool still = detector.add(sample.time_s, pose);
-    if (!window.empty() && (!still || sample.time_s - window.start_s() >= kJitterWindow_s)) window.finish(sums);
-    if (still) {
-      if (!window.empty()) still_s += sample.time_s - last_s;
-      window.add(sample.time_s, *pose);
-    }
-    last_s = sample.time_s;
-  }
-  window.finish(sums);
-  if (sums.freedom == 0) return std::nullopt;
-  return TrackerJitter{std::sqrt(sums.position_mm2 / sums.freedom),
-                       std::sqrt(sums.angle_rad2 / sums.freedom) * kDegreesPerRadian, still_s};
 }
 
 SweepVerdict judge_sweep(const Recording& recording, const Calibration* calibration, const FrameNames& names,

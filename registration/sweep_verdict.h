@@ -11,6 +11,7 @@
 #include "acquisition/recording.h"
 #include "registration/calibration.h"
 #include "registration/pose_chain.h"
+#include "registration/tracker_jitter.h"
 
 namespace fathom {
 
@@ -28,13 +29,6 @@ struct VerdictOptions {
 
   /// Throws Error, naming the option, when a value is out of range.
   void check() const;
-};
-
-/// How much a tracker's poses move while the probe is held still: rms about their mean over half a second.
-struct TrackerJitter {
-  double position_mm = 0.0;
-  double angle_deg = 0.0;
-  double still_s = 0.0;  ///< for how long it was held still in all
 };
 
 /// Whether a sweep can be used, said right after it was recorded, while it can be made again.
@@ -55,9 +49,6 @@ struct SweepVerdict {
 
   bool good() const { return warnings.empty(); }
 };
-
-/// The jitter of one transform's samples, in order of time; poses that are not valid are passed over.
-std::optional<TrackerJitter> tracker_jitter(std::span<const TrackerSample> samples);
 
 /// `calibration` may be null: steps are then those of the probe's origin, and nobody knows of the region. Where it was
 /// made for images of another size it is not used, with a warning. `samples` are the probe's raw ones; where there are

@@ -13,13 +13,14 @@
 
 namespace fathom {
 
-/// The upper edge of a flat wall's echo in one frame: where its brightness has risen to half, which does not depend on
-/// how thick the echo is or how it rings on below.
+/// A flat wall's echo in one frame: the ridge of an echo that has one, which neither compression nor the beam's
+/// thickness moves; of an even, bright band (a gain so high that the echo is white, or a thick layer) its upper edge,
+/// where it has risen to half.
 struct WallLine {
   int frame = 0;                                         ///< as stored
   Eigen::Vector2d point_px = Eigen::Vector2d::Zero();    ///< in the middle of the part that was seen
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit, to the right
-  double sigma_px = 0.0;                                 ///< spread of single columns about the line
+  double sigma_px = 0.0;                                 ///< spread of the wall's parts about the line
   double reach_px = 0.0;  ///< along the line, standard deviation of the columns' places about `point_px`
 };
 
@@ -39,7 +40,8 @@ struct WallDetectionOptions {
 /// `frame` is 0. The same seed gives the same line.
 std::optional<WallLine> detect_wall_in_image(const cv::Mat& image, const WallDetectionOptions& options = {});
 
-/// The wall in every frame that shows it and whose image is valid. Throws Error when the recording has no images or no
+/// The wall in every frame that shows it and whose image is valid: its ridge or its upper edge, as most frames have it,
+/// in all. Throws Error when the recording has no images or no
 /// frame shows a wall; Cancelled.
 std::vector<WallLine> detect_wall(const Recording& recording, const WallDetectionOptions& options = {},
                                   const Progress& progress = {});

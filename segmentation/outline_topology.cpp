@@ -205,6 +205,12 @@ bool goes_round_once(const Polygon& outline) {
   return left != right && turns == 2;
 }
 
+std::vector<const Polygon*> pointers(std::span<const Polygon> outlines) {
+  std::vector<const Polygon*> all;
+  for (const Polygon& outline : outlines) all.push_back(&outline);
+  return all;
+}
+
 }  // namespace
 
 std::vector<Nesting> nesting(std::span<const Polygon* const> outlines) {
@@ -222,6 +228,12 @@ std::optional<std::string> outline_fault(std::span<const Polygon* const> outline
   if (!nested) return kTangled;
   if (std::find(nested->begin(), nested->end(), Nesting::kCoincident) != nested->end()) return "is drawn twice";
   return std::nullopt;
+}
+
+std::vector<Nesting> nesting(std::span<const Polygon> outlines) { return nesting(pointers(outlines)); }
+
+std::optional<std::string> outline_fault(std::span<const Polygon> outlines) {
+  return outline_fault(pointers(outlines));
 }
 
 void require_simple_outlines(const std::vector<Structure>& structures, const std::string& file) {

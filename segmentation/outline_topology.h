@@ -26,6 +26,10 @@ std::vector<Nesting> nesting(std::span<const Polygon* const> outlines);
 /// An outline that can be seen whole from its middle takes about 2 ns a point, any other about 20 ns.
 std::optional<std::string> outline_fault(std::span<const Polygon* const> outlines);
 
+/// Both for outlines that stand one after the other.
+std::vector<Nesting> nesting(std::span<const Polygon> outlines);
+std::optional<std::string> outline_fault(std::span<const Polygon> outlines);
+
 /// Throws Error, naming `file`, structure and frame, when closed contours on one frame have an `outline_fault`.
 void require_simple_outlines(const std::vector<Structure>& structures, const std::string& file);
 

@@ -8,7 +8,10 @@
 #include <string>
 #include <utility>
 
+#include <opencv2/imgproc.hpp>
+
 #include "core/error.h"
+#include "segmentation/outline_loops.h"
 
 namespace fathom {
 
@@ -17,6 +20,8 @@ namespace {
 // Pixels. Outlines keep this far from pixel centres, so that they never touch each other, and a pixel at the threshold
 // lies truly inside.
 constexpr double kMargin = 1e-6;
+
+constexpr double kMostSmoothing_px = 50.0;
 
 constexpr std::uint8_t kInside = 1;
 constexpr std::uint8_t kTraced = 2;  // an outline through the left side of this pixel has been followed
@@ -60,7 +65,7 @@ class OutlineTracer {
         // Every outline, of a part or of a hole, has an inside pixel with an outside one on its left.
         if (marks[x] != kInside || (marks[x - 1] & kInside) != 0) continue;
         Polygon outline = follow({x, y});
-        const double size = area(outline);
+        const double size = std::abs(signed_area(outline));
         if (size >= options_.min_area_px) found.emplace_back(size, std::move(outline));
       }
     }
@@ -73,7 +78,7 @@ class OutlineTracer {
 
  private:
   bool is_inside(double value) const {
-    return options_.below ? value < options_.threshold : value >= options_.threshold;
+    return (value >= options_.threshold && value <= options_.upper) != options_.below;
   }
 
   // Of a pixel of the image or of the frame of outside pixels, one wide, that is laid around it.
@@ -89,7 +94,8 @@ class OutlineTracer {
   // How far the value is on the inner side of the threshold.
   double depth(Pixel at) const {
     const double value = static_cast<double>(image_.ptr<Value>(at.y)[at.x]);
-    return options_.below ? options_.threshold - value : value - options_.threshold;
+    const double within = std::min(value - options_.threshold, options_.upper - value);
+    return options_.below ? -within : within;
   }
 
   // Where the outline passes between two neighbours.
@@ -148,17 +154,6 @@ class OutlineTracer {
     }
   }
 
-  static double area(const Polygon& outline) {
-    double twice = 0.0;
-    Eigen::Vector2d before = outline.back() - outline.front();
-    for (const Eigen::Vector2d& point : outline) {
-      const Eigen::Vector2d now = point - outline.front();
-      twice += before.x() * now.y() - before.y() * now.x();
-      before = now;
-    }
-    return std::abs(0.5 * twice);
-  }
-
   const cv::Mat& image_;
   const ThresholdOptions& options_;
   int stride_;
@@ -174,6 +169,10 @@ std::vector<Polygon> outlines_of(const cv::Mat& image, const ThresholdOptions& o
 
 void ThresholdOptions::check() const {
   if (!std::isfinite(threshold)) throw Error("threshold: must be a finite number; give a grey value");
+  if (!(upper >= threshold)) throw Error("threshold: the upper one is below the other; give the lower one first");
+  if (!(smoothing_px >= 0.0 && smoothing_px <= kMostSmoothing_px)) {
+    throw Error("threshold: the smoothing must be from 0 to 50 pixels");
+  }
   if (!std::isfinite(min_area_px) || min_area_px < 0.0) {
     throw Error("smallest area: must not be negative; give it in square pixels, 0 to keep all");
   }
@@ -184,6 +183,12 @@ std::vector<Polygon> threshold_outlines(const cv::Mat& image, const ThresholdOpt
   if (image.channels() != 1) {
     throw Error("threshold: the image has " + std::to_string(image.channels()) +
                 " channels; a threshold needs grey values, so give an image of one channel");
+  }
+  if (options.smoothing_px > 0.0 && !image.empty()) {
+    cv::Mat smooth;
+    image.convertTo(smooth, CV_32F);
+    cv::GaussianBlur(smooth, smooth, {}, options.smoothing_px, options.smoothing_px, cv::BORDER_REPLICATE);
+    return outlines_of<float>(smooth, options);
   }
   switch (image.depth()) {
     case CV_8U:

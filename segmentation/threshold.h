@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -10,11 +11,13 @@ namespace fathom {
 
 /// Which closed lines to keep of those that a threshold gives.
 struct ThresholdOptions {
-  double threshold = 127.5;  ///< pixels at or above it are inside
-  double min_area_px = 4.0;  ///< smaller outlines and smaller holes are dropped as noise; 0 keeps all
-  bool below = false;        ///< inside is below the threshold instead
+  double threshold = 127.5;                                ///< pixels at or above it are inside
+  double upper = std::numeric_limits<double>::infinity();  ///< and at or below this
+  double min_area_px = 4.0;   ///< smaller outlines and smaller holes are dropped as noise; 0 keeps all
+  bool below = false;         ///< inside is what would be outside: below the threshold or above the upper one
+  double smoothing_px = 0.0;  ///< standard deviation of a Gaussian that evens out speckle first
 
-  /// Throws Error when a value is not finite or negative.
+  /// Throws Error when a value is out of range or the upper threshold below the other.
   void check() const;
 };
 

@@ -1,5 +1,7 @@
 #include "sim/choice.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace fathom {
@@ -13,6 +15,10 @@ void refuse_choice(const std::string& kind, const std::string& name, const std::
   std::string choice;
   for (const std::string& one : names) choice += (choice.empty() ? "" : ", ") + one;
   throw Error("simulate: there is no " + kind + " \"" + quoted + "\"; choose one of " + choice);
+}
+
+void require_choice(const std::string& kind, const std::string& name, const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) refuse_choice(kind, name, names);
 }
 
 }  // namespace fathom

@@ -9,4 +9,7 @@ namespace fathom {
 [[noreturn]] void refuse_choice(const std::string& kind, const std::string& name,
                                 const std::vector<std::string>& names);
 
+/// The same unless the name is among them.
+void require_choice(const std::string& kind, const std::string& name, const std::vector<std::string>& names);
+
 }  // namespace fathom

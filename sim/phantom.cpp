@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/choice.h"
+#include "sim/scene_constants.h"
 
 namespace fathom {
 
@@ -15,6 +16,8 @@ namespace {
 constexpr double kRadian = std::numbers::pi / 180.0;
 const Eigen::Vector2d kSmallPixel(0.12, 0.12);   // Treece 2000, section 2.3.2
 const Eigen::Vector2d kOrganPixel(0.36, 0.345);  // 119 x 145 mm; real scanners' pixels are not quite square either
+const Eigen::Vector2d kScenePixel(0.18, 0.18);   // 115 x 86 mm
+const cv::Size kSceneSize(640, 480);
 
 /// A cupped hand: an ellipsoid bent along both axes and more on one side, convex on the back, concave in the palm.
 std::unique_ptr<Solid> make_glove() {
@@ -56,36 +59,131 @@ std::unique_ptr<Solid> make_kidney() {
                              {.x2 = 0.0056, .x3 = 1.0e-5, .y2 = 0.002, .y3 = 0.0, .shift_mm = -2.0});
 }
 
+/// A pelvis: a bladder, and a prostate below it that all but touches it.
+std::vector<PlacedSolid> make_pelvis() {
+  constexpr double kBladderHalf_mm = 20.0;
+  constexpr double kProstateHalf_mm = 15.0;
+  constexpr double kWall_mm = 0.4;
+  return centred({{make_ellipsoid({33.0, 28.0, kBladderHalf_mm}), {0.0, 0.0, kBladderHalf_mm + kWall_mm}},
+                  {make_ellipsoid({23.0, 18.0, kProstateHalf_mm}), {0.0, 0.0, -kProstateHalf_mm}}});
+}
+
+Eigen::Vector3d towards(double azimuth_deg, double elevation_deg) {
+  const double azimuth = azimuth_deg * kRadian;
+  const double elevation = elevation_deg * kRadian;
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
+/// A vessel that divides into six.
+std::unique_ptr<Solid> make_ducts() {
+  return make_limbed_ball(Eigen::Vector3d::Zero(), 8.0,
+                          {{.direction = towards(180.0, 5.0), .length_mm = 30.0, .radius_mm = 4.0},
+                           {.direction = towards(115.0, -25.0), .length_mm = 26.0, .radius_mm = 3.0},
+                           {.direction = towards(25.0, 25.0), .length_mm = 30.0, .radius_mm = 3.5},
+                           {.direction = towards(-35.0, -15.0), .length_mm = 32.0, .radius_mm = 3.0},
+                           {.direction = towards(-110.0, 30.0), .length_mm = 26.0, .radius_mm = 3.0},
+                           {.direction = towards(50.0, -50.0), .length_mm = 24.0, .radius_mm = 3.0}});
+}
+
+/// Head, trunk, arms and legs.
+std::unique_ptr<Solid> make_foetus() {
+  return make_limbed_ball(Eigen::Vector3d::Zero(), 19.0,
+                          {{.direction = towards(70.0, 25.0), .length_mm = 28.0, .radius_mm = 4.0},
+                           {.direction = towards(-70.0, 25.0), .length_mm = 28.0, .radius_mm = 4.0},
+                           {.direction = towards(150.0, 20.0), .length_mm = 33.0, .radius_mm = 5.0},
+                           {.direction = towards(-150.0, 20.0), .length_mm = 33.0, .radius_mm = 5.0}},
+                          {{.direction = towards(0.0, 20.0), .distance_mm = 28.0, .radius_mm = 15.0}});
+}
+
+/// A test object: one structure of the object's name.
+Phantom plain(std::string name, std::unique_ptr<Solid> made) {
+  const std::shared_ptr<const Solid> solid = std::move(made);
+  return {name, solid, kSmallPixel, kImageSize, {{name, solid}}, {}};
+}
+
+/// The structure of a scene, or one of them.
+SceneBody darker(std::shared_ptr<const Solid> solid, double behind_db_per_mm) {
+  return {std::move(solid), -scene::kContrast_db, behind_db_per_mm};
+}
+
+SceneBody brighter(std::shared_ptr<const Solid> solid, double behind_db_per_mm) {
+  return {std::move(solid), scene::kContrast_db, behind_db_per_mm};
+}
+
+Phantom kidney_scene() {
+  const std::shared_ptr<const Solid> kidney = make_kidney();
+  const std::shared_ptr<const Solid> sinus =
+      make_bent_ellipsoid({32.0, 12.0, 7.0}, {.x2 = 0.0056, .x3 = 1.0e-5, .y2 = 0.002, .y3 = 0.0, .shift_mm = -2.0});
+  const SceneBody echoes{sinus, 0.5 * scene::kContrast_db, 0.0, false};
+  return {"kidney", kidney, kOrganPixel, kImageSize, {{"kidney", kidney}}, {darker(kidney, 0.0), echoes}};
+}
+
+Phantom bladder_scene() {
+  const std::shared_ptr<const Solid> bladder = make_group(
+      centred({{make_bent_ellipsoid({36.0, 30.0, 24.0}, {.x2 = 0.005, .y2 = 0.003}), Eigen::Vector3d::Zero()}}));
+  return {"bladder",
+          bladder,
+          kScenePixel,
+          kSceneSize,
+          {{"bladder", bladder}},
+          {darker(bladder, scene::kEnhancement_db_per_mm)}};
+}
+
+Phantom pelvis_scene() {
+  const std::vector<PlacedSolid> organs = make_pelvis();
+  const auto bladder = make_group({organs[0]});
+  const auto prostate = make_group({organs[1]});
+  return {"bladder-prostate",
+          make_group(organs),
+          kScenePixel,
+          kSceneSize,
+          {{"bladder", bladder}, {"prostate", prostate}},
+          {darker(bladder, scene::kEnhancement_db_per_mm), brighter(prostate, 0.0)}};
+}
+
+Phantom ducts_scene() {
+  const auto ducts = make_group(centred({{make_ducts(), Eigen::Vector3d::Zero()}}));
+  return {"ducts", ducts, kScenePixel, kSceneSize, {{"ducts", ducts}}, {darker(ducts, scene::kEnhancement_db_per_mm)}};
+}
+
+Phantom foetus_scene() {
+  const auto foetus = make_group(centred({{make_foetus(), Eigen::Vector3d::Zero()}}));
+  return {"foetus", foetus, kScenePixel, kSceneSize, {{"foetus", foetus}}, {brighter(foetus, scene::kBone_db_per_mm)}};
+}
+
 struct Entry {
   const char* name;
-  Eigen::Vector2d pixel_mm;
-  std::function<std::unique_ptr<Solid>()> make;
+  std::function<Phantom()> make;
 };
 
-const std::array<Entry, 10>& entries() {
-  static const std::array<Entry, 10> table = {{
-      {"sphere", kSmallPixel,
+const std::array<Entry, 14>& entries() {
+  static const std::array<Entry, 14> table = {{
+      {"sphere",
        [] {
-         return make_ellipsoid({10.0, 10.0, 10.0});
+         return plain("sphere", make_ellipsoid({10.0, 10.0, 10.0}));
        }},
-      {"ellipsoid", kSmallPixel,
+      {"ellipsoid",
        [] {
-         return make_ellipsoid({10.0, 6.5, 8.0});
+         return plain("ellipsoid", make_ellipsoid({10.0, 6.5, 8.0}));
        }},
-      {"cone", kSmallPixel, [] { return make_cone(10.0, 20.0); }},
-      {"cube", kSmallPixel,
+      {"cone", [] { return plain("cone", make_cone(10.0, 20.0)); }},
+      {"cube",
        [] {
-         return make_box({10.0, 10.0, 10.0});
+         return plain("cube", make_box({10.0, 10.0, 10.0}));
        }},
-      {"glove", kSmallPixel, make_glove},
-      {"hat", kSmallPixel, make_hat},
-      {"box", kSmallPixel,
+      {"glove", [] { return plain("glove", make_glove()); }},
+      {"hat", [] { return plain("hat", make_hat()); }},
+      {"box",
        [] {
-         return make_box({10.0, 8.0, 6.5});
+         return plain("box", make_box({10.0, 8.0, 6.5}));
        }},
-      {"concave", kSmallPixel, make_bean},
-      {"branching", kSmallPixel, make_branching},
-      {"kidney", kOrganPixel, make_kidney},
+      {"concave", [] { return plain("concave", make_bean()); }},
+      {"branching", [] { return plain("branching", make_branching()); }},
+      {"kidney", kidney_scene},
+      {"bladder", bladder_scene},
+      {"bladder-prostate", pelvis_scene},
+      {"ducts", ducts_scene},
+      {"foetus", foetus_scene},
   }};
   return table;
 }
@@ -100,7 +198,7 @@ std::vector<std::string> object_names() {
 
 Phantom make_phantom(const std::string& name) {
   for (const Entry& entry : entries()) {
-    if (name == entry.name) return {name, entry.make(), entry.pixel_mm};
+    if (name == entry.name) return entry.make();
   }
   refuse_choice("object", name, object_names());
 }

@@ -4,26 +4,16 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/random.h"
+#include "sim/random_stream.h"
 
 namespace fathom {
 
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180.0;
-constexpr double kFrameRate_hz = 25.0;
-constexpr double kPause_s = 2.0;       // between sweeps, while the probe is moved to the next window
-constexpr double kFirstTime_s = 3.52;  // a recording seldom starts with the clock
+constexpr double kPause_s = 2.0;  // between sweeps, while the probe is moved to the next window
 constexpr double kSensorDistance_mm = 100.0;
 constexpr double kLoneFrameStep = 0.05;  // of the path, per frame, where a single frame gives no step
-
-// Every disturbance has random numbers of its own, so that switching one on leaves the others as they were.
-enum class Stream : std::uint64_t { kJitter = 1, kMisregistration = 2, kNoise = 3 };
-
-Random random_stream(std::uint64_t seed, Stream stream) {
-  constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15u;  // 2^64 / golden ratio: far apart for neighbouring streams
-  return Random(seed ^ (static_cast<std::uint64_t>(stream) * kSpread));
-}
 
 /// A disturbance of each frame, uniform in +- on three axes and three angles.
 std::vector<ScanPlane> uniform_planes(Random random, int count, double mm, double deg) {
@@ -46,24 +36,11 @@ ScanPlane between(const std::vector<ScanPlane>& planes, const Sweep& sweep, doub
   return planes[i] * (1.0 - (bounded - before)) + planes[i + 1] * (bounded - before);
 }
 
-Eigen::Vector3d gaussian_vector(Random& random, double rms) {
-  Eigen::Vector3d vector;
-  for (int axis = 0; axis < 3; ++axis) vector[axis] = random.normal();
-  return vector * (rms / std::sqrt(3.0));
-}
-
-Eigen::Isometry3d placed(const Eigen::Vector3d& turn_rad, const Eigen::Vector3d& place_mm) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized()).toRotationMatrix();
-  pose.translation() = place_mm;
-  return pose;
-}
-
 }  // namespace
 
-Calibration simulated_calibration(const Phantom& phantom, cv::Size image_size, double latency_s) {
+Calibration simulated_calibration(const Eigen::Vector2d& pixel_mm, cv::Size image_size, double latency_s) {
   const Eigen::Matrix3d turn = placed({0.31, -1.12, 0.64}, Eigen::Vector3d::Zero()).linear();
-  const Eigen::Vector3d scale(phantom.pixel_mm.x(), phantom.pixel_mm.y(), phantom.pixel_mm.mean());
+  const Eigen::Vector3d scale(pixel_mm.x(), pixel_mm.y(), pixel_mm.mean());
   const Eigen::Vector3d centre_px((image_size.width - 1) / 2.0, (image_size.height - 1) / 2.0, 0.0);
   const Eigen::Vector3d centre_mm = kSensorDistance_mm * Eigen::Vector3d(0.28, -0.36, 0.89).normalized();
 
@@ -74,7 +51,7 @@ Calibration simulated_calibration(const Phantom& phantom, cv::Size image_size, d
   calibration.probe_frame = "Probe";
   calibration.reference_frame = "Reference";
   calibration.image_size = image_size;
-  calibration.depth_mm = image_size.height * phantom.pixel_mm.y();
+  calibration.depth_mm = image_size.height * pixel_mm.y();
   calibration.probe = "simulated";
   return calibration;
 }
@@ -86,18 +63,18 @@ ProbeMotion move_probe(const ScanPlan& plan, const Phantom& phantom, const Calib
   const std::vector<ScanPlane> misregistration =
       uniform_planes(random_stream(options.seed, Stream::kMisregistration), options.frames, options.misregister_mm,
                      options.misregister_deg);
-  Random noise = random_stream(options.seed, Stream::kNoise);
 
   ProbeMotion motion;
   for (const int share : frames_of_sweeps(options.frames, plan.sweeps.size())) {
     const int first = motion.sweeps.empty() ? 0 : motion.sweeps.back().last + 1;
     motion.sweeps.push_back({0, first, first + share - 1});
   }
-  motion.tracker_from_reference = placed({-0.42, 0.23, 0.91}, {118.0, -342.0, 251.0});
-  const Eigen::Isometry3d reference_from_phantom = placed({0.17, 0.36, -0.52}, {31.0, -18.0, 147.0});
-  const Eigen::Isometry3d tracker_from_phantom = motion.tracker_from_reference * reference_from_phantom;
+  const Eigen::Isometry3d tracker_from_phantom =
+      simulated_tracker_from_reference() * simulated_reference_from_phantom();
   const Eigen::Affine3d image_from_probe = calibration.probe_from_image.inverse();
 
+  std::vector<double> times_s;
+  std::vector<Eigen::Isometry3d> tracker_from_probe;
   std::size_t number = 0;  // of the sweep
   for (int frame = 0; frame < options.frames; ++frame) {
     if (frame > motion.sweeps[number].last) ++number;
@@ -108,23 +85,18 @@ ProbeMotion move_probe(const ScanPlan& plan, const Phantom& phantom, const Calib
       const int count = frame_count(sweep);
       return path.at(count > 1 ? in_sweep / (count - 1) : 0.5 + in_sweep * kLoneFrameStep) + between(jitter, sweep, at);
     };
-    motion.times_s.push_back(kFirstTime_s + frame / kFrameRate_hz + static_cast<double>(number) * kPause_s);
+    times_s.push_back(kFirstTime_s + frame / kFrameRate_hz + static_cast<double>(number) * kPause_s);
     motion.phantom_from_image.push_back(path.phantom_from_image(plane_at(frame), phantom.pixel_mm));
 
     const ScanPlane seen =
         options.latency_s == 0.0 ? plane_at(frame) : plane_at(frame - options.latency_s * kFrameRate_hz);
     const ScanPlane recorded = seen + misregistration[static_cast<std::size_t>(frame)];
-    Eigen::Isometry3d pose((tracker_from_phantom.matrix() *
-                            path.phantom_from_image(recorded, phantom.pixel_mm).matrix() * image_from_probe.matrix())
-                               .eval());
-    const Eigen::Vector3d shift = gaussian_vector(noise, options.noise_mm);
-    const Eigen::Vector3d turn = gaussian_vector(noise, options.noise_deg * kRadian);
-    pose.translation() += shift;
-    if (turn.norm() > 0.0) {
-      pose.linear() = (pose.linear() * Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()).eval();
-    }
-    motion.tracker_from_probe.push_back(pose);
+    tracker_from_probe.emplace_back(
+        (tracker_from_phantom.matrix() * path.phantom_from_image(recorded, phantom.pixel_mm).matrix() *
+         image_from_probe.matrix())
+            .eval());
   }
+  motion.tracked = track(std::move(times_s), std::move(tracker_from_probe), options);
   return motion;
 }
 

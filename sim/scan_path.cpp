@@ -136,7 +136,7 @@ ScanPath make_scan_path(const Phantom& phantom, const std::string& pattern) {
     if (is_own) break;
   }
   if (chosen == nullptr) refuse_choice("pattern", pattern, single_sweep_patterns());
-  return make_scan_path(phantom, *chosen, SolidPart(*phantom.solid), kImageSize);
+  return make_scan_path(phantom, *chosen, SolidPart(*phantom.solid), phantom.image_size);
 }
 
 std::vector<std::string> single_sweep_patterns() {

@@ -77,6 +77,7 @@ ScanPlan make_scan_plan(const Phantom& phantom, const std::string& pattern) {
   const auto names = single_sweep_patterns();
   if (std::find(names.begin(), names.end(), pattern) != names.end()) {
     ScanPlan plan;
+    plan.image_size = phantom.image_size;
     plan.sweeps = {make_scan_path(phantom, pattern)};
     return plan;
   }

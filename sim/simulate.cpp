@@ -19,19 +19,8 @@ namespace {
 
 constexpr double kMm3PerMl = 1000.0;
 constexpr double kMm2PerCm2 = 100.0;
+constexpr double kTouch_mm = 1e-6;    // planes of contact touch to 1e-9 mm
 constexpr int kFramesPerReport = 64;  // outlined in some tenths of a second
-
-void require_within(const char* what, double value, double low, double high, const char* unit) {
-  if (value >= low && value <= high) return;  // false for what is not a number
-  const auto text = [](double number) { return nlohmann::json(number).dump(); };
-  throw Error(std::string("simulate: the ") + what + " cannot be " +
-              (std::isfinite(value) ? text(value) : "without a finite value") + "; choose from " + text(low) + " to " +
-              text(high) + " " + unit);
-}
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 class SimulatedRecording final : public Recording {
  public:
@@ -41,13 +30,20 @@ class SimulatedRecording final : public Recording {
         phantom_(std::move(phantom)),
         phantom_from_image_(std::move(phantom_from_image)),
         speckle_(std::move(speckle)) {
-    if (speckle_) field_.emplace(*speckle_);
+    if (!speckle_) return;
+    if (phantom_.bodies.empty()) {
+      field_.emplace(*speckle_);
+    } else {
+      scene_.emplace(phantom_.bodies, speckle_->seed);
+    }
   }
 
   cv::Mat image(int frame) const override {
     require_frame(frame);
     const Eigen::Affine3d& phantom_from_image = phantom_from_image_[static_cast<std::size_t>(frame)];
-    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, {header().width, header().height});
+    const cv::Size size(header().width, header().height);
+    if (scene_) return scene_->image(phantom_from_image, size);
+    const cv::Mat inside = section_image(*phantom_.solid, phantom_from_image, size);
     return field_ ? speckled_image(*field_, *speckle_, inside, phantom_from_image) : inside;
   }
 
@@ -56,28 +52,12 @@ class SimulatedRecording final : public Recording {
   std::vector<Eigen::Affine3d> phantom_from_image_;
   std::optional<SpeckleOptions> speckle_;
   std::optional<SpeckleField> field_;
+  std::optional<Scene> scene_;
 };
-
-RecordingHeader recorded_header(const ProbeMotion& motion, cv::Size image_size) {
-  RecordingHeader header;
-  header.width = image_size.width;
-  header.height = image_size.height;
-  header.pixel_type = CV_8UC1;
-  header.transforms = {"ProbeToTracker", "ReferenceToTracker"};
-  for (std::size_t i = 0; i < motion.times_s.size(); ++i) {
-    FrameHeader frame;
-    frame.time_s = motion.times_s[i];
-    frame.image_status = "OK";
-    frame.poses = {Pose{motion.tracker_from_probe[i].matrix(), "OK"},
-                   Pose{motion.tracker_from_reference.matrix(), "OK"}};
-    header.frames.push_back(std::move(frame));
-  }
-  return header;
-}
 
 /// Of every frame, the point at which its plane touches the object from outside, if it does.
 std::vector<std::optional<Eigen::Vector3d>> touching_points(const ScanPlan& plan, const ProbeMotion& motion) {
-  std::vector<std::optional<Eigen::Vector3d>> points(motion.times_s.size());
+  std::vector<std::optional<Eigen::Vector3d>> points(motion.phantom_from_image.size());
   for (std::size_t i = 0; i < plan.sweeps.size(); ++i) {
     const Sweep& sweep = motion.sweeps[i];
     if (frame_count(sweep) == 1) continue;
@@ -87,35 +67,39 @@ std::vector<std::optional<Eigen::Vector3d>> touching_points(const ScanPlan& plan
   return points;
 }
 
-std::vector<Contour> outlines_of_plane(const Phantom& phantom, const ScanPlan& plan,
+std::vector<Contour> outlines_of_plane(const Solid& solid, const ScanPlan& plan,
                                        const Eigen::Affine3d& phantom_from_image) {
-  if (plan.cuts_off) return image_outlines(*phantom.solid, phantom_from_image, plan.image_size);
+  if (plan.cuts_off) return image_outlines(solid, phantom_from_image, plan.image_size);
   std::vector<Contour> contours;
-  for (Polygon& outline : section_outlines(*phantom.solid, phantom_from_image)) {
+  for (Polygon& outline : section_outlines(solid, phantom_from_image)) {
     contours.emplace_back().points_px = std::move(outline);
   }
   return contours;
 }
 
-Structure true_outlines(const Phantom& phantom, const ScanPlan& plan, const ProbeMotion& motion, bool steady,
+Structure true_outlines(const PhantomPart& part, const ScanPlan& plan, const ProbeMotion& motion, bool steady,
                         const Progress& progress) {
-  const int count = static_cast<int>(motion.times_s.size());
-  std::vector<std::optional<Eigen::Vector3d>> touches(motion.times_s.size());
+  const int count = static_cast<int>(motion.phantom_from_image.size());
+  std::vector<std::optional<Eigen::Vector3d>> touches(motion.phantom_from_image.size());
   if (steady) touches = touching_points(plan, motion);  // an unsteady plane cuts or misses
+  for (auto& touch : touches) {
+    if (touch && part.solid->distance_bound_mm(*touch) > kTouch_mm)
+      touch.reset();  // it is another part that is touched
+  }
   std::vector<std::vector<Contour>> outlines(static_cast<std::size_t>(count));
   for (int first = 0; first < count; first += kFramesPerReport) {
     report(progress, static_cast<double>(first) / count);
     cv::parallel_for_(cv::Range(first, std::min(count, first + kFramesPerReport)), [&](const cv::Range& range) {
       for (int frame = range.start; frame < range.end; ++frame) {
         const auto i = static_cast<std::size_t>(frame);
-        if (!touches[i]) outlines[i] = outlines_of_plane(phantom, plan, motion.phantom_from_image[i]);
+        if (!touches[i]) outlines[i] = outlines_of_plane(*part.solid, plan, motion.phantom_from_image[i]);
       }
     });
   }
   report(progress, 1.0);
 
   Structure structure;
-  structure.name = phantom.name;
+  structure.name = part.name;
   for (int frame = 0; frame < count; ++frame) {
     const auto i = static_cast<std::size_t>(frame);
     if (touches[i]) {
@@ -135,16 +119,14 @@ Structure true_outlines(const Phantom& phantom, const ScanPlan& plan, const Prob
 }  // namespace
 
 void SimulateOptions::check() const {
-  if (!contains(object_names(), object)) refuse_choice("object", object, object_names());
-  if (!contains(pattern_names(), pattern)) refuse_choice("pattern", pattern, pattern_names());
+  require_choice("object", object, object_names());
+  require_choice("pattern", pattern, pattern_names());
   require_within("number of frames", frames, 1, SimulateOptions::kMaxFrames, "frames");
   require_within("jitter", jitter_mm, 0.0, kMaxShift_mm, "mm");
   require_within("jitter", jitter_deg, 0.0, kMaxTurn_deg, "degrees");
   require_within("misregistration", misregister_mm, 0.0, kMaxShift_mm, "mm");
   require_within("misregistration", misregister_deg, 0.0, kMaxTurn_deg, "degrees");
-  require_within("tracker noise", noise_mm, 0.0, kMaxShift_mm, "mm");
-  require_within("tracker noise", noise_deg, 0.0, kMaxTurn_deg, "degrees");
-  require_within("latency", latency_s, -kMaxLatency_s, kMaxLatency_s, "seconds");
+  TrackerOptions::check();
   if (speckle) speckle->check();
 }
 
@@ -154,14 +136,22 @@ SimulatedScan simulate(const SimulateOptions& options, const Progress& progress)
   const ScanPlan plan = make_scan_plan(phantom, options.pattern);
 
   SimulatedScan scan;
-  scan.calibration = simulated_calibration(phantom, plan.image_size, options.latency_s);
+  scan.calibration = simulated_calibration(phantom.pixel_mm, plan.image_size, options.latency_s);
   ProbeMotion motion = move_probe(plan, phantom, scan.calibration, options);
   const bool steady = options.jitter_mm == 0.0 && options.jitter_deg == 0.0;
-  scan.outlines = {true_outlines(phantom, plan, motion, steady, progress)};
+  bool seen = false;
+  for (const PhantomPart& part : phantom.parts) {
+    scan.outlines.push_back(true_outlines(part, plan, motion, steady, progress));
+    seen = seen || !scan.outlines.back().contours.empty() || !scan.outlines.back().extremities.empty();
+    scan.truth.structures.push_back({part.name, part.solid->volume_mm3() / kMm3PerMl});
+  }
+  if (!seen) {
+    throw Error("simulate: none of the " + std::to_string(options.frames) + " frames shows the " + options.object +
+                "; disturb the probe's way less");
+  }
   scan.truth.volume_ml = phantom.solid->volume_mm3() / kMm3PerMl;
   scan.truth.surface_area_cm2 = phantom.solid->area_mm2() / kMm2PerCm2;
-  scan.truth.structures = {{phantom.name, scan.truth.volume_ml}};
-  RecordingHeader header = recorded_header(motion, plan.image_size);
+  RecordingHeader header = tracked_header(motion.tracked, plan.image_size.width, plan.image_size.height);
   std::optional<SpeckleOptions> speckle = options.speckle;
   if (speckle) speckle->seed = options.seed;
   scan.recording =
@@ -191,6 +181,8 @@ std::string truth_json(const SimulatedScan& scan, const SimulateOptions& options
   json["misregister_deg"] = options.misregister_deg;
   json["noise_mm"] = options.noise_mm;
   json["noise_deg"] = options.noise_deg;
+  json["outliers"] = options.outliers;
+  json["dropouts"] = options.dropouts;
   return json.dump(1, ' ') + "\n";
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,32 +9,25 @@
 #include "core/progress.h"
 #include "registration/calibration.h"
 #include "segmentation/contours.h"
+#include "sim/simulated_tracker.h"
 #include "sim/speckle.h"
 
 namespace fathom {
 
 /// A scan of an object of known volume with a simulated probe and tracker.
-struct SimulateOptions {
+struct SimulateOptions : TrackerOptions {
   /// 13 minutes at 25 frames a second; the true outlines of all are held in memory, 5 kB a frame.
   static constexpr int kMaxFrames = 20000;
-  /// Larger disturbances are typing errors.
-  static constexpr double kMaxShift_mm = 1000.0;
-  static constexpr double kMaxTurn_deg = 180.0;
-  static constexpr double kMaxLatency_s = 10.0;  ///< either way
-
   std::string object = "sphere";   ///< one of object_names(), sim/phantom.h
   std::string pattern = "linear";  ///< one of pattern_names(), sim/scan_plan.h
   int frames = 20;                 ///< 1 to kMaxFrames
-  std::uint64_t seed = 1;          ///< the same seed gives the same bytes
   double jitter_mm = 0.0;          ///< unsteady hand, before the scan: uniform in +- on each of three axes
   double jitter_deg = 0.0;         ///< the same for azimuth, elevation and roll
   double misregister_mm = 0.0;     ///< errors of the recorded poses, after the scan: uniform in +- on each axis
   double misregister_deg = 0.0;
-  double noise_mm = 0.0;   ///< tracker noise, Gaussian: 3D rms in position
-  double noise_deg = 0.0;  ///< 3D rms in orientation
-  double latency_s = 0.0;  ///< the tracker's stamps lag the image's by this much
   /// B-scans with speckle, as a scanner shows them; else 255 inside the object and 0 outside. Its `seed` is not used:
-  /// the texture follows `seed` above.
+  /// the texture follows `seed` above. Objects with a look of their own (Phantom::bodies) are shown as a Scene,
+  /// whatever is asked for here.
   std::optional<SpeckleOptions> speckle;
 
   /// Throws Error, naming what there is to choose from, when a value is out of range.

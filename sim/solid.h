@@ -81,8 +81,30 @@ struct Limb {
   double radius_mm = 0.0;                                ///< less than the ball's
 };
 
-/// A ball with limbs that do not meet outside of it. Volume and area exact: a limb adds the rod above the circle in
-/// which it leaves the ball and the half ball at its end, less the ball's cap above that circle.
-std::unique_ptr<Solid> make_limbed_ball(const Eigen::Vector3d& centre_mm, double radius_mm, std::vector<Limb> limbs);
+/// A smaller ball that grows out of a ball: the two spheres meet in a circle.
+struct Knob {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit, from the ball's centre
+  double distance_mm = 0.0;                              ///< of the centres, less than the sum of the radii
+  double radius_mm = 0.0;                                ///< less than the ball's
+};
+
+/// A ball with limbs and knobs that do not meet outside of it. Volume and area exact: a limb adds the rod above the
+/// circle in which it leaves the ball and the half ball at its end, less the ball's cap above that circle; a knob adds
+/// its own ball less the lens that it shares with the other.
+std::unique_ptr<Solid> make_limbed_ball(const Eigen::Vector3d& centre_mm, double radius_mm, std::vector<Limb> limbs,
+                                        std::vector<Knob> knobs = {});
+
+/// A solid, moved.
+struct PlacedSolid {
+  std::shared_ptr<const Solid> solid;
+  Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();  ///< of the solid's own origin
+};
+
+/// Solids that do not meet, at least one, taken as one. Its extents need not be about the origin. Volume and area exact
+/// where the parts' are.
+std::shared_ptr<const Solid> make_group(std::vector<PlacedSolid> parts);
+
+/// The same solids, moved together so that the middle of their extents is at the origin.
+std::vector<PlacedSolid> centred(std::vector<PlacedSolid> parts);
 
 }  // namespace fathom

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
@@ -24,8 +25,8 @@ struct SpeckleOptions {
 };
 
 /// Fully developed speckle that is fixed in space: frames that overlap or lie close to each other show the same
-/// texture. White complex Gaussian noise on a lattice in space (it repeats after 128 steps, some 17 mm by default),
-/// averaged over the probe's resolution cell, which turns with the probe. May be used from several threads.
+/// texture. White complex Gaussian noise on a lattice in space, hashed so that it does not repeat, averaged over the
+/// probe's resolution cell, which turns with the probe. May be used from several threads.
 class SpeckleField {
  public:
   /// Throws Error as SpeckleOptions::check.
@@ -37,8 +38,7 @@ class SpeckleField {
 
  private:
   SpeckleOptions options_;
-  double lattice_mm_;
-  std::shared_ptr<const cv::Mat> lattice_;
+  std::shared_ptr<const std::vector<cv::Vec2f>> noise_;
 };
 
 /// The B-scan of an object: `inside` (CV_8UC1, not 0 inside) says where it is. Tissue around it, darker speckle

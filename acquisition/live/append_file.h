@@ -37,6 +37,9 @@ class AppendFile {
   int descriptor_ = -1;
 };
 
+/// Waits until the names in a folder are on the disk, as far as its file system does that.
+void sync_folder(const std::filesystem::path& folder);
+
 /// Throws Error with what the system says (errno) of `path`, and what to do.
 [[noreturn]] void fail_to_write(const std::filesystem::path& path, const char* what);
 

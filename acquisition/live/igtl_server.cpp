@@ -54,9 +54,8 @@ bool IgtlServer::flush(double longest_s) {
 void IgtlServer::on_frame(LiveFrame frame) {
   {
     const std::lock_guard lock(mutex_);
-    if (counts_.frames == options_.most_frames) return;
+    if (counts_.frames == options_.most_frames || clients_.empty()) return;
     ++counts_.frames;
-    if (clients_.empty()) return;
   }
   hand_out({igtl_image_message(options_.image_device, frame.time_s + time_of_day_s_, frame.image), true});
 }

@@ -18,7 +18,7 @@ struct IgtlServerOptions {
   std::string address = "127.0.0.1";       ///< of this computer; "0.0.0.0": whoever can reach it may look on
   int port = 18944;                        ///< 0: any that is free
   std::string image_device = "Image";      ///< what images are called
-  std::uint64_t most_frames = UINT64_MAX;  ///< frames after these are not sent
+  std::uint64_t most_frames = UINT64_MAX;  ///< sent to anybody; what comes after these is not sent
 };
 
 /// An OpenIGTLink server: sends what it hears to all clients, frames as IMAGE and valid poses as TRANSFORM (headers of
@@ -34,7 +34,7 @@ class IgtlServer : public LiveListener {
 
   struct Counts {
     std::uint64_t clients = 0;         ///< that have connected so far
-    std::uint64_t frames = 0;          ///< heard, up to most_frames
+    std::uint64_t frames = 0;          ///< heard while there was any client, up to most_frames
     std::uint64_t frames_sent = 0;     ///< by all clients together, each of them whole
     std::uint64_t dropped_frames = 0;  ///< for clients that did not keep up
   };

@@ -77,6 +77,7 @@ class IgtlSource : public LiveSource {
 
   void start(LiveListener& listener) override {
     listener_ = &listener;
+    away_.clear();
     thread_.start(name_, listener, [this](const std::stop_token& stop) { run(stop); });
   }
 
@@ -241,7 +242,7 @@ Peer peer_of(const SourceAddress& address) {
   if (colon != std::string::npos) {
     const auto port = parse_real(place.substr(colon + 1));
     if (!port || *port < 1.0 || *port > 65535.0 || *port != std::floor(*port)) {
-      address.fail("the port must be a whole number from 1 to 65535");
+      address.fail("there is no such port; give a whole number from 1 to 65535");
     }
     peer.port = static_cast<int>(*port);
   }
@@ -255,7 +256,7 @@ std::unique_ptr<LiveSource> make_from_text(const std::string& source) {
   if (const auto image = address.options.find("image"); image != address.options.end()) peer.image = image->second;
   if (const auto text = address.options.find("orientation"); text != address.options.end()) {
     const auto orientation = parse_orientation(text->second);
-    if (!orientation) address.fail("the orientation must be MF, MN, UF or UN");
+    if (!orientation) address.fail("there is no such orientation; give MF, MN, UF or UN");
     peer.orientation = *orientation;
   }
   return std::make_unique<IgtlSource>(source, std::move(peer));

@@ -154,7 +154,7 @@ std::vector<std::byte> igtl_image_message(const std::string& device, const std::
                                   [&](const PixelKind& each) { return each.pixel_type == image.type(); });
   constexpr int kLargest = 65535;
   if (kind == std::end(kPixelKinds) || image.cols > kLargest || image.rows > kLargest) {
-    throw Error("images of this type or size cannot be sent by OpenIGTLink");
+    throw Error("images of this type or size cannot be sent by OpenIGTLink; choose another source");
   }
   header.version = IGTL_IMAGE_HEADER_VERSION;
   header.num_components = static_cast<igtl_uint8>(kind->components);

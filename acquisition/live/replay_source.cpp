@@ -67,7 +67,8 @@ class ReplaySource : public LiveSource {
 
   void start(LiveListener& listener) override {
     if (!recording_) recording_ = open_recording(file_);
-    if (recording_->header().frame_count() == 0) throw Error(recording_->name() + ": has no frames to replay");
+    if (recording_->header().frame_count() == 0)
+      throw Error(recording_->name() + ": has no frames to replay; give another recording");
     listener_ = &listener;
     thread_.start(name_, listener, [this](std::stop_token stop) { play(stop); });
   }
@@ -166,7 +167,8 @@ std::unique_ptr<LiveSource> make_from_text(const std::string& source) {
 
 void ReplayOptions::check() const {
   if (!(speed >= kMinSpeed && speed <= kMaxSpeed)) {
-    throw Error("replay: the speed must be from " + format_real(kMinSpeed) + " to " + format_real(kMaxSpeed));
+    throw Error("replay: there is no such speed; choose from " + format_real(kMinSpeed) + " to " +
+                format_real(kMaxSpeed));
   }
 }
 

@@ -29,15 +29,15 @@ double SourceAddress::number(const std::string& name, double fallback, double lo
   if (option == options.end()) return fallback;
   const auto value = parse_real(option->second);
   if (!value || *value < low || *value > high) {
-    fail("'" + name + "' must be a number from " + format_real(low) + " to " + format_real(high) + ", not '" +
-         printable(option->second) + "'");
+    fail("'" + name + "' cannot be '" + printable(option->second) + "'; give a number from " + format_real(low) +
+         " to " + format_real(high));
   }
   return *value;
 }
 
 bool SourceAddress::flag(const std::string& name) const {
   const double value = number(name, 0.0, 0.0, 1.0);
-  if (value != 0.0 && value != 1.0) fail("'" + name + "' must be 0 or 1");
+  if (value != 0.0 && value != 1.0) fail("'" + name + "' is neither on nor off; give 1 or 0");
   return value == 1.0;
 }
 

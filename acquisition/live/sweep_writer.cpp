@@ -37,7 +37,10 @@ SweepWriter::SweepWriter(const std::filesystem::path& folder, std::vector<std::p
       lines_(folder_.path / kSweepLines),
       samples_(folder_.path / kTrackerLines),
       reserve_(folder_.path / kReservedSpace),
-      fields_(std::move(fields)) {}
+      fields_(std::move(fields)) {
+  sync_folder(folder_.path);
+  sync_folder(folder_.path.parent_path());
+}
 
 bool SweepWriter::accepts(const cv::Mat& image) const {
   return !start_ || (image.cols == start_->width && image.rows == start_->height && image.type() == start_->pixel_type);

@@ -61,7 +61,8 @@ Addresses find_addresses(const std::string& host, int port, int flags) {
   hints.ai_flags = flags | AI_NUMERICSERV;
   addrinfo* found = nullptr;
   const int error = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found);
-  if (error != 0) throw Error("there is no host '" + printable(host) + "' (" + ::gai_strerror(error) + ")");
+  if (error != 0)
+    throw Error("there is no host '" + printable(host) + "' (" + ::gai_strerror(error) + "); check its name");
   return {found, &::freeaddrinfo};
 }
 

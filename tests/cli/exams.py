@@ -21,6 +21,10 @@ def part_of(contours, frames, recording):
     return [{**item, "recording": recording} for item in structure["contours"] if item["frame"] in frames]
 
 
+def files(folder):
+    return [(path.name, path.read_bytes()) for path in sorted(folder.rglob("*")) if path.is_file()]
+
+
 class Exams:
     def __init__(self, program, folder, tally):
         self.program, self.folder, self.tally = program, folder, tally
@@ -249,6 +253,32 @@ class Exams:
         outcome = self.program.run("measure", self.folder / "exam", "--contours", self.folder / "scan.contours.json", "--save")
         self.check("results of other files are not saved", (outcome.status != 2 or "own files" not in outcome.err) and f"{outcome}")
 
+    def reports(self):
+        exam = self.folder / "single"
+        before = tree(exam)
+        self.must_run("exam", "update", exam, "--patient", "P-1 <Smith>", "--operator", "Jones")
+        self.must_run("exam", "report", exam, "--out", "report.html")
+        report = (self.folder / "report.html").read_text()
+        self.check("the report has the patient's name as text", "P-1 &lt;Smith&gt;" not in report or "<Smith>" in report)
+        volume = self.must_run("measure", exam, "--json").json()["structures"][0]["volume_ml"]["cubic_planimetry"]
+        self.check("the report has the volume", f"<td>{volume:.2f}</td>" not in report and volume)
+        outcome = self.must_run("exam", "export", exam, "--out", "out", "--anonymous", "--clip", "10,10,50,50",
+                                "--recordings", "--json").json()
+        self.check("the export says what it wrote", set(outcome["files"]) != {
+            "results.json", "results.csv", "report.html", "surface.ply", "surface.png", "outlines.png", "exam"} and outcome)
+        words = b"".join(re.sub(rb"base64,[^\"]*", b"", content if name.endswith((".html", ".json", ".csv")) else b"")
+                         for name, content in files(self.folder / "out"))
+        names = [name for name in (b"Smith", b"Jones", b"scan.mha", b"full bladder") if name in words]
+        self.check("the anonymous export has no names", names)
+        copy = self.must_run("measure", self.folder / "out" / "exam", "--json").json()["structures"][0]["volume_ml"]
+        self.check("the exported exam measures the same", abs(copy["cubic_planimetry"] - volume) > 1e-9 and copy)
+        self.check("the exam is left alone", set(tree(exam)) != set(before) and set(tree(exam)) ^ set(before))
+        self.refused("anonymous recordings without an area", "exam", "export", exam, "--out", "new", "--anonymous",
+                     "--recordings")
+        self.refused("an area outside of the image", "exam", "export", exam, "--out", "new", "--anonymous", "--clip",
+                     "0,0,9999,9999", "--recordings")
+        self.refused("a report of no exam", "exam", "report", self.scan, "--out", "new.html")
+
     def bad_exams(self):
         frames = {"recording": 0, "first": 0, "last": FRAMES}
         damages = {
@@ -279,6 +309,7 @@ class Exams:
 def body(program, folder, tally, _root):
     exams = Exams(program, folder, tally)
     exams.one_recording()
+    exams.reports()
     exams.two_recordings()
     exams.overlapping()
     exams.recording_without_sweeps()

@@ -1,5 +1,6 @@
 #include "sim/section.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -125,15 +126,18 @@ TEST(SectionOutlines, OfABowlAreARingWithAHole) {
 }
 
 class EveryPhantomSection : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Phantoms, EveryPhantomSection, testing::ValuesIn(object_names()),
-                         [](const auto& instance) { return instance.param; });
+INSTANTIATE_TEST_SUITE_P(Phantoms, EveryPhantomSection, testing::ValuesIn(object_names()), [](const auto& instance) {
+  std::string name = instance.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 TEST_P(EveryPhantomSection, ImageIsWhiteExactlyWhereThePointIsInside) {
   const Phantom phantom = make_phantom(GetParam());
   const ScanPath path = make_scan_path(phantom, "free");
   for (const double u : {0.13, 0.52, 0.9}) {
     const Eigen::Affine3d plane = path.phantom_from_image(path.at(u), phantom.pixel_mm);
-    const cv::Mat image = section_image(*phantom.solid, plane, kImageSize);
+    const cv::Mat image = section_image(*phantom.solid, plane, phantom.image_size);
     int white = 0;
     for (int y = 0; y < image.rows; ++y) {
       for (int x = 0; x < image.cols; ++x) {
@@ -153,7 +157,7 @@ TEST_P(EveryPhantomSection, OutlinesFilledGiveTheImage) {
     const ScanPath path = make_scan_path(phantom, pattern);
     for (const double u : {0.06, 0.71}) {
       const Eigen::Affine3d plane = path.phantom_from_image(path.at(u), phantom.pixel_mm);
-      const cv::Mat image = section_image(*phantom.solid, plane, kImageSize);
+      const cv::Mat image = section_image(*phantom.solid, plane, phantom.image_size);
       const auto outlines = section_outlines(*phantom.solid, plane);
       ASSERT_FALSE(outlines.empty());
       for (int y = 0; y < image.rows; y += 4) {

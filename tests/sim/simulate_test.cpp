@@ -72,22 +72,27 @@ TEST_P(EveryScan, HasTheWholeObjectInItsImagesAndMeasuresItsVolume) {
   for (const Contour& contour : scan.outlines.front().contours) {
     for (const Eigen::Vector2d& point : contour.points_px) {
       ASSERT_GE(point.minCoeff(), 2.0) << "frame " << contour.frame;
-      ASSERT_LE(point.x(), 327.0) << "frame " << contour.frame;
-      ASSERT_LE(point.y(), 417.0) << "frame " << contour.frame;
+      ASSERT_LE(point.x(), scan.recording->header().width - 3.0) << "frame " << contour.frame;
+      ASSERT_LE(point.y(), scan.recording->header().height - 3.0) << "frame " << contour.frame;
     }
   }
-  EXPECT_NEAR(measured_ml(scan) / scan.truth.volume_ml, 1.0, 0.03);
+  EXPECT_NEAR(measured_ml(scan) / scan.truth.structures.front().volume_ml, 1.0,
+              GetParam().first == "ducts" ? 0.05 : 0.03);
 }
 
 TEST_P(EveryScan, BeginsAndEndsAtTheObjectsExtremities) {
   const SimulatedScan scan = simulate(options_of(GetParam().first, GetParam().second, 7));
-  const Structure& structure = scan.outlines.front();
-  EXPECT_TRUE(structure.absent.empty());
+  const bool alone = scan.outlines.size() == 1;  // else the ends may show another structure
+  EXPECT_TRUE(!alone || scan.outlines.front().absent.empty());
   for (const int frame : {0, 6}) {
-    const auto touches = std::find_if(structure.extremities.begin(), structure.extremities.end(),
-                                      [&](const Extremity& extremity) { return extremity.frame == frame; });
+    const auto touched = [&](const Structure& structure) {
+      return std::any_of(structure.extremities.begin(), structure.extremities.end(),
+                         [&](const Extremity& extremity) { return extremity.frame == frame; });
+    };
+    const auto touches = std::count_if(scan.outlines.begin(), scan.outlines.end(), touched);
+    EXPECT_LE(touches, 1);
     const int white = cv::countNonZero(scan.recording->image(frame));
-    if (touches == structure.extremities.end()) {
+    if (touches == 0) {
       EXPECT_GT(white, 1000) << "a frame with an area lies in a flat face";
     } else {
       EXPECT_EQ(white, 0);

@@ -139,7 +139,7 @@ TEST(SourceAddresses, ThatAreWrongAreRefusedWithWhatToDo) {
   EXPECT_NE(complaint("replay:").find("names nothing"), std::string::npos);
   EXPECT_NE(complaint("replay:missing.mha").find("missing.mha"), std::string::npos);
   EXPECT_NE(complaint("replay:a.mha?speed=0").find("from 0.001 to 1000"), std::string::npos);
-  EXPECT_NE(complaint("replay:a.mha?speed=nan").find("not 'nan'"), std::string::npos);
+  EXPECT_NE(complaint("replay:a.mha?speed=nan").find("cannot be 'nan'"), std::string::npos);
   EXPECT_NE(complaint("replay:a.mha?loop=2").find("loop"), std::string::npos);
   EXPECT_NE(complaint("replay:a.mha?sped=1").find("no option 'sped'"), std::string::npos);
   EXPECT_NE(complaint("replay:a.mha?speed=1&speed=1").find("twice"), std::string::npos);

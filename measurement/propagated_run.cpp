@@ -1,0 +1,145 @@
+#include "measurement/propagated_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "measurement/predicted_outline.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kMargin_px = 40.0;  // around the drawn outlines, where parts between them may reach
+constexpr double kLeastSpread_blocks = 0.1;
+constexpr double kBand_blocks = 8.0;  // beside an outline, where its errors and changes count
+constexpr double kWindow_blocks = 6.0;
+
+double overlap_fault(const cv::Mat& a, const cv::Mat& b) {
+  const cv::Mat in_a = a > 0.0;
+  const cv::Mat in_b = b > 0.0;
+  const int sum = cv::countNonZero(in_a) + cv::countNonZero(in_b);
+  return sum == 0 ? 0.0 : 1.0 - 2.0 * cv::countNonZero(in_a & in_b) / sum;
+}
+
+/// The mean of `values` around every block, as far as they lie near the outline of `distance`.
+cv::Mat along_outline(const cv::Mat& values, const cv::Mat& distance) {
+  cv::Mat near;
+  cv::Mat(cv::abs(distance) < kBand_blocks).convertTo(near, CV_32F, 1.0 / 255.0);
+  cv::Mat weight;
+  cv::Mat sum;
+  cv::GaussianBlur(near, weight, cv::Size(0, 0), kWindow_blocks);
+  cv::GaussianBlur(near.mul(values), sum, cv::Size(0, 0), kWindow_blocks);
+  cv::Mat mean;
+  cv::divide(sum, cv::max(weight, 1e-3), mean);
+  return mean;
+}
+
+std::vector<Polygon> outlines_of(const DrawnSection& first, const DrawnSection& second) {
+  std::vector<Polygon> outlines = first.outlines_px;
+  outlines.insert(outlines.end(), second.outlines_px.begin(), second.outlines_px.end());
+  return outlines;
+}
+
+StackFrame stack_frame(const Recording& recording, int frame, const PixelGrid& grid, cv::Mat distance) {
+  StackFrame result;
+  const cv::Mat image = recording.image(frame);
+  result.grey = block_means(image, grid);
+  result.seen = blocks_seen(image.size(), grid);
+  result.distance = std::move(distance);
+  result.spread = cv::Mat::zeros(grid.size, CV_32FC1);
+  return result;
+}
+
+std::optional<SectionGap> gap_between(const DrawnSection* a, const DrawnSection* b) {
+  if (a == nullptr || b == nullptr) return std::nullopt;
+  return SectionGap({a->place.plane, a->shape}, {b->place.plane, b->shape}, Guide::kDiscs);
+}
+
+/// By how much the sections on either side of a drawn one mispredict it, along its outline; empty where one is missing.
+std::optional<cv::Mat> misfit(const DrawnSection* before, const DrawnSection& drawn, const DrawnSection* after,
+                              const cv::Mat& distance, const PixelGrid& grid) {
+  const std::optional<SectionGap> gap = gap_between(before, after);
+  const bool areas = gap && !(before->outlines_px.empty() && after->outlines_px.empty());
+  if (!areas || drawn.outlines_px.empty()) return std::nullopt;
+  const PredictedOutline predicted = predict_outline(*gap, CurvedGap(*gap, nullptr, nullptr), drawn.place, grid);
+  return along_outline(cv::abs(predicted.distance - distance), distance);
+}
+
+/// Standard deviation of the prediction's error around every block, pinned to 0 at the drawn sections.
+cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat>& first_misfit,
+                  const std::optional<cv::Mat>& second_misfit, bool ends, const PropagateOptions& options) {
+  const double w = predicted.share;
+  cv::Mat spread;
+  if (first_misfit && second_misfit) {
+    spread = options.spread_of_misfit * ((1.0 - w) * *first_misfit + w * *second_misfit);
+  } else if (first_misfit || second_misfit) {
+    spread = options.spread_of_misfit * (first_misfit ? *first_misfit : *second_misfit);
+  }
+  if (spread.empty() || ends) {
+    const cv::Mat by_change = options.spread_of_change * along_outline(predicted.change, predicted.distance);
+    spread = spread.empty() ? by_change : cv::Mat(cv::max(spread, by_change));
+  }
+  return cv::max(spread * (2.0 * std::sqrt(w * (1.0 - w))), kLeastSpread_blocks);
+}
+
+const SectionGap* pointer_to(const std::optional<SectionGap>& gap) { return gap ? &*gap : nullptr; }
+
+}  // namespace
+
+std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection& first, const DrawnSection& second,
+                                  const DrawnSection* before, const DrawnSection* after,
+                                  std::span<const OpenFrame> frames, const PropagateOptions& options) {
+  if (frames.empty()) return {};
+  const PixelGrid grid = grid_around(outlines_of(first, second), kMargin_px);
+  const std::optional<SectionGap> gap = gap_between(&first, &second);
+  const std::optional<SectionGap> gap_before = gap_between(before, &first);
+  const std::optional<SectionGap> gap_after = gap_between(&second, after);
+  const CurvedGap curved(*gap, pointer_to(gap_before), pointer_to(gap_after));
+  const double deepest_mm = std::max(first.shape->largest_inside_mm(), second.shape->largest_inside_mm());
+  const auto drawn_distances = [&](const DrawnSection& section) {
+    return section_distances(*section.shape, section.place, grid, deepest_mm / block_mm(section.place, grid));
+  };
+
+  const bool ends = first.outlines_px.empty() || second.outlines_px.empty();
+  const auto first_misfit = misfit(before, first, &second, drawn_distances(first), grid);
+  const auto second_misfit = misfit(&first, second, after, drawn_distances(second), grid);
+  std::vector<StackFrame> stack(frames.size() + 2);
+  std::vector<FilledFrame> filled(frames.size());
+  const int count = static_cast<int>(frames.size());
+  cv::parallel_for_(cv::Range(-1, count + 1), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      StackFrame& to = stack[static_cast<std::size_t>(i + 1)];
+      if (i == -1 || i == count) {
+        const DrawnSection& section = i == -1 ? first : second;
+        to = stack_frame(recording, section.frame, grid, drawn_distances(section));
+        to.share = i == -1 ? 0.0 : 1.0;
+        continue;
+      }
+      const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
+      const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid, options.round_ends);
+      to = stack_frame(recording, frame.frame, grid, predicted.distance);
+      to.spread = spread_of(predicted, first_misfit, second_misfit, ends, options);
+      to.share = predicted.share;
+    }
+  });
+
+  std::vector<RefinedFrame> refined;
+  if (options.pixels) refined = refine_stack(stack, options.refinement);
+  const double change = overlap_fault(stack.front().distance, stack.back().distance);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    FilledFrame& to = filled[i];
+    to.frame = frames[i].frame;
+    to.grid = grid;
+    to.distance = options.pixels ? refined[i].distance : stack[i + 1].distance;
+    to.expected_error = options.pixels ? refined[i].expected_error : 0.0;
+    to.moved = overlap_fault(to.distance, stack[i + 1].distance);
+    to.change = change;
+  }
+  return filled;
+}
+
+}  // namespace fathom
