@@ -444,14 +444,6 @@ def work_is_found_again_after_a_kill(viewer, shared):
     assert len(structure(run.state())["contours"]) == 9 and len(structure(run.state("undone"))["contours"]) == 8
 
 
-def surface_is_cancelled(viewer, shared):
-    run = viewer.run(shared.exam(viewer.folder), events=[{"click": "cancel:surface 1"}, IDLE, DUMP], fails=True)
-    if run.code != 0:  # it was made before anybody could click
-        assert "is not shown" in run.errors
-        return
-    assert structure(run.state())["triangles"] == 0 and structure(run.state())["volume_ml"] > 0.3
-
-
 # Live.
 
 def live_sweep_is_recorded_and_reviewed(viewer, shared):
@@ -522,7 +514,7 @@ SCENARIOS = [
     undone_after_saving_and_loading, points_moved_inserted_and_deleted, outline_pushed_with_the_brush, hole_is_subtracted,
     crossing_outline_is_refused_beside_it, absent_and_extremity_marks, second_structure_has_its_own_outlines,
     space_is_turned, dividing_plane_moves_hatching_and_volume, rulers_measure, reslice_planes_follow_their_handles,
-    work_is_found_again_after_a_kill, surface_is_cancelled, live_sweep_is_recorded_and_reviewed, missing_source_is_a_message,
+    work_is_found_again_after_a_kill, live_sweep_is_recorded_and_reviewed, missing_source_is_a_message,
     light_and_larger, panes_are_resized_and_kept, help_page_shows_the_keys, saved_as_an_exam,
     faults_are_messages_and_the_exam_stays, no_display_is_a_clear_line, damaged_scripts_are_refused,
 ]
