@@ -23,7 +23,8 @@ std::string chosen_file(const std::string& typed, const std::optional<Exam>& exa
 }  // namespace
 
 void add_recording(CLI::App& command, std::string& recording) {
-  command.add_option("RECORDING", recording, "A .mha, .mhd or .nrrd sequence, a recording folder, or an exam")->required();
+  command.add_option("RECORDING", recording, "A .mha, .mhd or .nrrd sequence, a recording folder, or an exam")
+      ->required();
 }
 
 void add_calibration(CLI::App& command, ScanInput& input) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "viewer/application.h"
+#include "viewer/export_jobs.h"
 #include "viewer/review_tools.h"
 
 #define GLFW_INCLUDE_NONE
@@ -44,8 +45,8 @@ void toggle_absent(Session& session) {
   });
 }
 
-void step_back(Session& session) {
-  if (ReviewTools::remove_last_point(session)) return;
+void step_back(Session& session, WireTool& wire) {
+  if (session.view.tool == Tool::kWire ? wire.undo(session) : ReviewTools::remove_last_point(session)) return;
   session.attempt("undo", [&] { session.document()->undo(); });
   session.view.chosen.reset();
 }
@@ -57,6 +58,7 @@ struct ToolKey {
 };
 constexpr std::array<ToolKey, kToolCount> kToolKeys{{{Tool::kBrowse, "Browse", GLFW_KEY_B},
                                                      {Tool::kDraw, "Draw outline", GLFW_KEY_D},
+                                                     {Tool::kWire, "Wire along edges", GLFW_KEY_E},
                                                      {Tool::kPoints, "Edit points", GLFW_KEY_P},
                                                      {Tool::kBrush, "Push outline", GLFW_KEY_U},
                                                      {Tool::kExtremity, "Mark extremity", GLFW_KEY_X},
@@ -95,13 +97,24 @@ std::vector<Action> make_actions(Application& app) {
   add(
       "File", "Save as...", ctrl(GLFW_KEY_S, true), "an exam in a folder of its own", [&app] { app.ask_save_as(); },
       open);
+  const auto ask_export = [&app, &session](bool anonymous) {
+    app.files_.ask(
+        "Export to a folder", "Export", "report",
+        [&session, anonymous](const std::filesystem::path& folder) { export_document(session, folder, anonymous); });
+  };
+  add(
+      "File", "Export...", ctrl(GLFW_KEY_E), "results, a report, surfaces and pictures",
+      [ask_export] { ask_export(false); }, open);
+  add(
+      "File", "Export without names...", {}, "the same without patient, operator, date, notes and B-scans",
+      [ask_export] { ask_export(true); }, open);
   add(
       "File", "Close exam", ctrl(GLFW_KEY_W), "", [&session] { session.close(); }, open);
   add("File", "Quit", ctrl(GLFW_KEY_Q), "", [&app] { app.close_or_ask(); });
 
   add(
       "Edit", "Undo", ctrl(GLFW_KEY_Z), "or take back the last point of the line being drawn",
-      [&session] { step_back(session); }, open, {}, true);
+      [&session, &app] { step_back(session, app.review_.wire()); }, open, {}, true);
   add(
       "Edit", "Redo", ctrl(GLFW_KEY_Y), "",
       [&session] {
@@ -116,18 +129,33 @@ std::vector<Action> make_actions(Application& app) {
       "Edit", "Clear frame", plain(GLFW_KEY_DELETE, true), "all outlines and marks of the structure on this frame",
       [&session] { ReviewTools::clear_frame(session); }, open);
   add(
+      "Edit", "Fill between", plain(GLFW_KEY_T), "outlines on all frames between those drawn of the structure",
+      [&session] { fill_between(session); }, open);
+  add(
       "Edit", "Absent here", plain(GLFW_KEY_A),
       "looked for the structure, it is not on this frame; again takes the mark away",
       [&session] { toggle_absent(session); }, open);
   add(
       "Edit", "Close the line", plain(GLFW_KEY_ENTER), "that is being drawn",
-      [&session] { ReviewTools::finish_line(session); }, open);
+      [&session, &app] {
+        if (session.view.tool == Tool::kWire) return app.review_.wire().finish(session);
+        ReviewTools::finish_line(session);
+      },
+      open);
   add(
       "Edit", "Take back point", plain(GLFW_KEY_BACKSPACE), "the last one of the line being drawn",
-      [&session] { ReviewTools::remove_last_point(session); }, open, {}, true);
+      [&session, &app] {
+        if (session.view.tool == Tool::kWire) {
+          app.review_.wire().undo(session);
+        } else {
+          ReviewTools::remove_last_point(session);
+        }
+      },
+      open, {}, true);
   add(
       "Edit", "Give up", plain(GLFW_KEY_ESCAPE), "the line or ruler being drawn",
-      [&session] {
+      [&session, &app] {
+        app.review_.wire().give_up(session);
         session.view.line_px.clear();
         session.view.ruler_px.clear();
       },

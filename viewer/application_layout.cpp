@@ -20,6 +20,7 @@ struct ToolText {
 constexpr std::array<ToolText, kToolCount> kTools{
     {{Tool::kBrowse, "Browse", "Look: drag moves the image (B)"},
      {Tool::kDraw, "Draw", "Outline: drag free-hand, or click point by point; Enter closes (D)"},
+     {Tool::kWire, "Wire", "Click along the border; between clicks the line follows the edges (E)"},
      {Tool::kPoints, "Points", "Drag points; click on the line to insert one; Delete removes (P)"},
      {Tool::kBrush, "Push", "Push the outline with a round brush; [ and ] change its size (U)"},
      {Tool::kExtremity, "Extremity", "Mark where the frame only touches the structure (X)"},

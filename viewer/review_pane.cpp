@@ -158,7 +158,10 @@ void ReviewPane::draw(Session& session, const std::vector<Eigen::Vector2d>& path
   input.ctrl = io.KeyCtrl;
   input.shift = io.KeyShift;
   input.reach_px = kReach * static_cast<double>(ui::em()) / 15.0 / place_.scale.x();
-  if (settled(session)) tools_.handle(session, input);
+  if (settled(session)) {
+    tools_.handle(session, input);
+    if (session.view.tool == Tool::kWire && !image_.empty()) wire_.handle(session, input, image_);
+  }
 
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 high(low.x + size.x, low.y + size.y);

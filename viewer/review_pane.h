@@ -9,6 +9,7 @@
 #include "viewer/gl_objects.h"
 #include "viewer/review_tools.h"
 #include "viewer/session.h"
+#include "viewer/wire_tool.h"
 
 namespace fathom {
 
@@ -35,6 +36,7 @@ class ReviewPane {
   std::optional<Eigen::Vector2d> find(const Eigen::Vector2d& px) const;
   /// Whether the image is that of the frame asked for.
   bool settled(const Session& session) const;
+  WireTool& wire() { return wire_; }
 
  private:
   void ask_for_frame(Session& session);
@@ -59,6 +61,7 @@ class ReviewPane {
   bool placed_ = false;
   ImagePlace place_;
   ReviewTools tools_;
+  WireTool wire_;
   std::vector<std::vector<Eigen::Vector2d>> hatched_px_;
   std::array<std::uint64_t, 4> hatched_of_{};
 };

@@ -81,6 +81,7 @@ void ReviewTools::handle(Session& session, const ToolInput& input) {
   if (input.pressed) last_px_ = input.at_px;
   switch (session.view.tool) {
     case Tool::kBrowse:
+    case Tool::kWire:  // has a tool of its own
       break;
     case Tool::kDraw:
       draw(session, input);

@@ -10,7 +10,7 @@
 namespace fathom {
 
 /// What the mouse does in the Review pane.
-enum class Tool { kBrowse, kDraw, kPoints, kBrush, kExtremity, kDistance, kAngle, kArea };
+enum class Tool { kBrowse, kDraw, kWire, kPoints, kBrush, kExtremity, kDistance, kAngle, kArea };
 
 /// One point of one contour.
 struct PointChoice {
@@ -44,6 +44,6 @@ struct ViewState {
 };
 
 /// The names of tools, in the order of Tool.
-inline constexpr std::size_t kToolCount = 8;
+inline constexpr std::size_t kToolCount = 9;
 
 }  // namespace fathom

@@ -1,0 +1,74 @@
+#include "viewer/wire_tool.h"
+
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.h"
+
+namespace fathom {
+
+void WireTool::prepare(Session& session, const cv::Mat& image) {
+  const ViewState& view = session.view;
+  if (document_ == session.document() && recording_ == view.recording && frame_ == view.frame) return;
+  document_ = session.document();
+  recording_ = view.recording;
+  frame_ = view.frame;
+  wire_ = nullptr;
+  const std::uint64_t number = ++number_;
+  const auto work = [this, number, copy = image.clone()](const Progress&) -> std::function<void()> {
+    cv::Mat grey = copy;
+    if (copy.channels() == 3) cv::cvtColor(copy, grey, cv::COLOR_RGB2GRAY);
+    auto wire = std::make_shared<LiveWire>(grey);
+    return [this, number, wire] {
+      if (number == number_) wire_ = wire;
+    };
+  };
+  session.worker().start(
+      {"edges", "Looking for edges", work, [&session](const std::string& error) { session.say("wire", error); }});
+}
+
+void WireTool::show(Session& session) {
+  Polygon line = wire_->line();
+  for (const Eigen::Vector2d& point : wire_->wire_to(pointer_px_)) line.push_back(point);
+  session.view.line_px = std::move(line);
+}
+
+void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& image) {
+  prepare(session, image);
+  if (!wire_) return;
+  const bool moved = (input.at_px - pointer_px_).squaredNorm() > 0.0;
+  pointer_px_ = input.at_px;
+  if (input.pressed) {
+    const auto& seeds = wire_->seeds();
+    const bool on_first = seeds.size() >= 2 && (seeds.front() - input.at_px).norm() <= 1.5 * input.reach_px;
+    if (on_first || (input.twice && seeds.size() >= 2)) return finish(session);
+    session.attempt("wire", [&] { wire_->add_seed(wire_->snapped(input.at_px, input.reach_px)); });
+    show(session);
+  } else if (moved && input.hovered && !wire_->seeds().empty()) {
+    show(session);
+  }
+}
+
+bool WireTool::undo(Session& session) {
+  if (!wire_ || wire_->seeds().empty() || !wire_->undo()) return false;
+  show(session);
+  return true;
+}
+
+void WireTool::give_up(Session& session) {
+  while (wire_ && !wire_->seeds().empty() && wire_->undo()) {
+  }
+  session.view.line_px.clear();
+}
+
+void WireTool::finish(Session& session) {
+  if (!wire_ || wire_->seeds().size() < 2) return;
+  const bool closed = session.attempt("wire", [&] { wire_->close(); });
+  if (!closed) return;
+  session.view.line_px = wire_->line();
+  ReviewTools::finish_line(session);
+  give_up(session);
+}
+
+}  // namespace fathom
