@@ -249,9 +249,9 @@ void add_refine_options(CLI::App& command, SegmentCommand& options) {
 }
 
 void add_common_options(CLI::App& command, SegmentCommand& options) {
-  command.add_option("--edge-scale-px", options.edges.scale_px, "Size of the finest edges; that of speckle is right")
+  command
+      .add_option("--edge-scale-px", options.edges.scale_px, "Size of the finest edges (default: that of the speckle)")
       ->check(between(0.3, 50))
-      ->capture_default_str()
       ->group("live-wire and refine");
   command.add_option("--smooth-image-px", options.smooth_image_px, "Even out speckle first (default: 0; region 2)")
       ->check(between(0, 50))

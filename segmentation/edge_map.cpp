@@ -15,7 +15,12 @@ namespace {
 
 constexpr int kScales = 3;
 constexpr double kLeastScale = 0.3;
-constexpr double kMostScale = 50.0;
+constexpr double kScaleOfSpeckle = 0.5;
+constexpr double kMostOwnScale = 4.0;  // coarser edges are for the user to ask for
+constexpr int kWidestGrain_px = 10;
+constexpr double kGrainOfStrongest = 0.02;   // weaker grains are the tails of edges
+constexpr double kGrainReach = 4.0;          // of their middle strength
+constexpr double kNoGrain_px = 8.0;          // standard deviation: what stays after such smoothing is no grain
 constexpr float kRayleighMedian = 1.17741F;  // median length of a vector whose components have a deviation of 1
 // Where nothing but edges is in the image, their own gradients are taken for noise; they still count this much.
 constexpr float kNoiseOfStrongest = 0.1F;
@@ -73,10 +78,49 @@ cv::Mat ridge_of(const cv::Mat& gradient) {
   return ridge;
 }
 
+// Full width at half height of the autocorrelation along x (or y).
+double correlation_width(const cv::Mat& grains, bool along_y) {
+  const double power = grains.dot(grains);
+  if (!(power > 0.0)) return 1.0;
+  double before = 1.0;
+  for (int lag = 1; lag <= kWidestGrain_px / 2; ++lag) {
+    const int length = along_y ? grains.rows : grains.cols;
+    if (lag >= length) break;
+    const cv::Mat a = along_y ? grains.rowRange(0, length - lag) : grains.colRange(0, length - lag);
+    const cv::Mat b = along_y ? grains.rowRange(lag, length) : grains.colRange(lag, length);
+    const double now = a.dot(b) / power;
+    if (now < 0.5) return std::max(1.0, 2.0 * (lag - 1 + (before - 0.5) / (before - now)));
+    before = now;
+  }
+  return kWidestGrain_px;
+}
+
 }  // namespace
 
+double speckle_size_px(const cv::Mat& grey) {
+  cv::Mat coarse;
+  cv::GaussianBlur(grey, coarse, {}, kNoGrain_px, kNoGrain_px, cv::BORDER_REPLICATE);
+  cv::Mat grains = grey - coarse;
+  // Edges are no grains: most of the image says how strong those are.
+  std::vector<float> sizes;
+  for (int y = 0; y < grains.rows; ++y) {
+    const float* row = grains.ptr<float>(y);
+    for (int x = y % 3; x < grains.cols; x += 3) {
+      if (row[x] != 0.0F) sizes.push_back(std::abs(row[x]));
+    }
+  }
+  if (sizes.empty()) return 1.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  double strongest = 0.0;
+  cv::minMaxLoc(cv::abs(grains), nullptr, &strongest);
+  if (*middle < kGrainOfStrongest * strongest) return 1.0;
+  grains = cv::min(cv::max(grains, -kGrainReach * *middle), kGrainReach * *middle);
+  return std::sqrt(correlation_width(grains, false) * correlation_width(grains, true));
+}
+
 void EdgeMapOptions::check() const {
-  if (!(scale_px >= kLeastScale && scale_px <= kMostScale)) {
+  if (scale_px && !(*scale_px >= kLeastScale && *scale_px <= kMostScale_px)) {
     throw Error("scale of edges: must be from 0.3 to 50 pixels; about the size of the speckle is right");
   }
 }
@@ -116,7 +160,9 @@ EdgeMap edge_map(const cv::Mat& image, const EdgeMapOptions& options) {
   cv::Mat across = cv::Mat::zeros(values.size(), CV_32F);
   cv::Mat down = cv::Mat::zeros(values.size(), CV_32F);
   EdgeMap map;
-  double sigma = options.scale_px;
+  double sigma =
+      options.scale_px ? *options.scale_px : std::clamp(kScaleOfSpeckle * speckle_size_px(values), 1.0, kMostOwnScale);
+  map.scale_px = sigma;
   cv::Mat smooth = values;
   double so_far = 0.0;
   for (int i = 0; i < kScales; ++i, sigma *= 2.0) {

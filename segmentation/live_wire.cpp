@@ -18,7 +18,12 @@ namespace {
 constexpr std::size_t kTrainingPoints = 200;  // the latest: an outline may change its kind of edge on the way
 constexpr double kSamePlace = 0.5;            // pixels: two seeds nearer than that are a double click
 constexpr double kLeastArea = 1.0;            // square pixels
+constexpr double kSearchScale = 2.0;          // of the scale that the line is placed by
 constexpr double kMostNodes = 120000.0;       // are searched within a few milliseconds
+
+std::span<const Eigen::Vector2d> latest(const Polygon& line) {
+  return std::span(line).subspan(line.size() - std::min(line.size(), kTrainingPoints));
+}
 
 int nodes_apart(const cv::Size& size) {
   int factor = 1;
@@ -35,7 +40,8 @@ LiveWire::LiveWire(const cv::Mat& image, const LiveWireOptions& options)
       edges_((options.check(), edge_map(image, options.edges))),
       size_(edges_.gradient.size()),
       factor_(nodes_apart(size_)),
-      node_edges_(coarser(edges_, factor_)),
+      far_edges_(edge_map(image, {std::min(kSearchScale * edges_.scale_px, EdgeMapOptions::kMostScale_px)})),
+      node_edges_(coarser(far_edges_, factor_)),
       costs_(wire_costs(node_edges_, preference_)),
       search_(costs_) {}
 
@@ -79,9 +85,8 @@ Polygon LiveWire::open_line() const {
 Polygon LiveWire::line() const { return state_.closed ? without_loops(open_line()) : open_line(); }
 
 // What the latest part of a line that starts at the first seed shows.
-void LiveWire::learn(const Polygon& line) {
-  const std::size_t first = line.size() - std::min(line.size(), kTrainingPoints);
-  preference_ = learn_edges(edges_, std::span(line).subspan(first), false);
+void LiveWire::learn_place_of_line(const Polygon& line) {
+  preference_ = learn_edges(edges_, latest(line), false);
   Polygon along;
   std::size_t at = 0;
   for (std::size_t i = 0; i < state_.seeds.size(); ++i) {
@@ -95,8 +100,8 @@ void LiveWire::prepare_search() {
   if (search_ready_) return;
   const Polygon drawn = open_line();
   if (options_.train) {
-    learn(drawn);
-    costs_ = wire_costs(node_edges_, preference_);
+    learn_place_of_line(drawn);
+    costs_ = wire_costs(node_edges_, learn_edges(far_edges_, latest(drawn), false));
   }
   // The line is not to run back along itself. Its first seed stays free, for closing.
   const cv::Point first = node_at(state_.seeds.front());
@@ -116,7 +121,7 @@ Polygon LiveWire::wire_between(const Eigen::Vector2d& to) {
   Polygon path;
   for (const cv::Point& node : search_.path_to(node_at(to))) path.push_back(place_of(node));
   // With the first seed only, what the wire follows is all there is to learn from.
-  if (options_.train && state_.pieces.empty()) learn(path);
+  if (options_.train && state_.pieces.empty()) learn_place_of_line(path);
   return wire_line(edges_, preference_, path, factor_, from, to);
 }
 

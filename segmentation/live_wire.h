@@ -25,8 +25,9 @@ struct LiveWireOptions {
 /// Outlining by seeds: between them the line follows the edges of one image by itself (Mortensen and Barrett 1998).
 /// Points are in pixels and may lie between them; so do the points of the line. Every change can be undone.
 ///
-/// Large images are searched on a coarser lattice, so that a line to anywhere takes no longer than a display frame; it
-/// is then put where the edge is in the image itself.
+/// Edges twice as coarse as asked for are searched, since where an edge leads is seen from afar, and large images on a
+/// coarser lattice, so that a line to anywhere takes no longer than a display frame. The line is then put where the
+/// edge is in the image itself.
 ///
 /// A viewer calls `add_seed` on a click, `wire_to` while the pointer moves, `reseed` on a click near the drawn part,
 /// `close` on a double click and `undo` on a key.
@@ -71,7 +72,7 @@ class LiveWire {
   };
 
   Polygon wire_between(const Eigen::Vector2d& to);
-  void learn(const Polygon& line);
+  void learn_place_of_line(const Polygon& line);
   cv::Point node_at(const Eigen::Vector2d& point_px) const;
   Eigen::Vector2d place_of(const cv::Point& node) const;
   Polygon open_line() const;
@@ -82,8 +83,9 @@ class LiveWire {
   LiveWireOptions options_;
   EdgeMap edges_;
   cv::Size size_;
-  int factor_;  ///< pixels between the nodes of the search
-  EdgeMap node_edges_;
+  int factor_;          ///< pixels between the nodes of the search
+  EdgeMap far_edges_;   ///< what is searched, pixel by pixel
+  EdgeMap node_edges_;  ///< the same at the nodes
   EdgePreference preference_;
   WireCosts costs_;
   WireSearch search_;

@@ -10,9 +10,9 @@ namespace fathom {
 namespace {
 
 // Of a step to the side; one to a corner costs as much more as it is longer. 255 is the most that a corner may cost.
-constexpr double kLeast = 3.0;  // even the best edge has a length, so that the shorter of two is taken
-constexpr double kForMisfit = 142.0;
-constexpr double kOffRidge = 25.0;
+constexpr double kLeast = 12.0;  // length counts also along the best edge: where nothing is seen, lines go straight
+constexpr double kForMisfit = 146.0;
+constexpr double kOffRidge = 12.0;
 constexpr double kDiagonal = 1.4142135623730951;
 // Fits are looked up by gradient; finer differences do not matter.
 constexpr int kTable = 1024;

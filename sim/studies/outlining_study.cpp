@@ -58,9 +58,10 @@ bool keeps_to(const Polygon& wire, const Polygon& walk, std::size_t first, std::
 
 }  // namespace
 
-OutliningTrial outline_by_live_wire(const cv::Mat& image, const Polygon& truth, double tolerance_px,
-                                    const LiveWireOptions& options) {
+OutliningTrial scripted_outline(const cv::Mat& image, const Polygon& truth, double tolerance,
+                                const LiveWireOptions& options) {
   const Polygon walk = walk_along(truth, kStep_px);
+  const double tolerance_px = tolerance * std::sqrt(std::abs(signed_area(truth)));
   LiveWire wire(image, options);
   OutliningTrial trial;
   wire.add_seed(walk.front());
@@ -84,7 +85,7 @@ OutliningTrial outline_by_live_wire(const cv::Mat& image, const Polygon& truth, 
 }
 
 std::vector<OutliningTrial> live_wire_study(const SimulateOptions& scan_options, int every, double least_area_px,
-                                            double tolerance_px, const LiveWireOptions& options) {
+                                            double tolerance, const LiveWireOptions& options) {
   const SimulatedScan scan = simulate(scan_options);
   const RecordingHeader& header = scan.recording->header();
   std::map<int, std::vector<const Contour*>> by_frame;
@@ -96,7 +97,7 @@ std::vector<OutliningTrial> live_wire_study(const SimulateOptions& scan_options,
       return p.minCoeff() > 2.0 && p.x() < header.width - 3.0 && p.y() < header.height - 3.0;
     });
     if (frame % every != 0 || contours.size() != 1 || !within || std::abs(signed_area(truth)) < least_area_px) continue;
-    OutliningTrial trial = outline_by_live_wire(scan.recording->image(frame), truth, tolerance_px, options);
+    OutliningTrial trial = scripted_outline(scan.recording->image(frame), truth, tolerance, options);
     trial.frame = frame;
     trials.push_back(trial);
   }

@@ -47,7 +47,7 @@ TEST(RefineOutlines, OfTwoBoundariesTakesTheOneThatLooksAsTheDrawnOnesShow) {
   cv::Mat clean(140, 160, CV_32F, cv::Scalar(60.0));
   draw_disc(clean, kCentre, 46.0, 180.0);
   draw_disc(clean, kCentre, 40.0, 60.0);
-  const EdgeMap map = edge_map(speckled(clean, 10.0, 1));
+  const EdgeMap map = edge_map(speckled(clean, 10.0, 1), {1.5});  // fine enough for the wall
   const std::vector<Polygon> between = {circle(kCentre, 43.0, 60)};
   EdgePreference boundary;
   boundary.strength = 10.0;
@@ -122,6 +122,7 @@ TEST(RefineOutlines, ContoursOfThreePointsAndBeyondTheImageAreTaken) {
 TEST(RefineOutlines, KeepsThePlaceBesideTheEdgeWhereAsked) {
   const cv::Mat image = disc_image(125.0, 60.0, 10.0);
   RefineOptions options;
+  options.edges.scale_px = 1.5;
   options.keep_place = true;
   const std::vector<Polygon> drawn = {circle(kCentre, 42.0, 200)};
   EXPECT_NEAR(std::sqrt(std::abs(signed_area(refined(image, drawn, options)[0])) / std::numbers::pi), 42.0, 0.4);
