@@ -133,7 +133,7 @@ std::vector<PropagationStudySweep> propagation_study(const PropagationStudyOptio
   std::vector<PropagationStudySweep> sweeps;
   for (int i = 0; i < options.sweeps; ++i) {
     report(progress, static_cast<double>(i) / options.sweeps);
-    sweeps.push_back(score_sweep(options, i));
+    sweeps.push_back(score_sweep(options, options.first_sweep + i));
   }
   return sweeps;
 }

@@ -11,8 +11,9 @@ namespace fathom {
 
 /// Propagation on simulated speckled sweeps of the scenes: true contours on every `drawn_every`-th frame.
 struct PropagationStudyOptions {
-  int sweeps = 40;  ///< all five scenes in turn, each in all five patterns of one sweep in turn
-  int frames = 97;  ///< of each sweep
+  int first_sweep = 0;  ///< of those; a study may be made in parts
+  int sweeps = 40;      ///< all five scenes in turn, each in all five patterns of one sweep in turn
+  int frames = 97;      ///< of each sweep
   int drawn_every = 8;
   std::uint64_t first_seed = 9001;  ///< of the first sweep; the others follow
   double jitter_mm = 0.0;           ///< of the hand
