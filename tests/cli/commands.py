@@ -11,7 +11,7 @@ from program import complaint_about_error, run_script, tree
 from recording_file import MetaImage
 
 COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
-            "surface", "reslice", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo")
+            "surface", "reslice", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo", "propagate")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "shape_based", "centroid_guided",
            "disc_guided", "disc_guided_curved"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
