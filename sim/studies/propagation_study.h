@@ -49,6 +49,7 @@ struct PropagationSummary {
   double fifth_percentile = 0.0;  ///< over frames
   double image_free_mean_dice = 0.0;
   double image_free_fifth_percentile = 0.0;
+  double fifth_percentile_of_sweeps = 0.0;
   double worst_sweep_dice = 0.0;
   double mean_volume_error_percent = 0.0;  ///< without sign
   double largest_volume_error_percent = 0.0;
