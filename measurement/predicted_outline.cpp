@@ -77,6 +77,7 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
   const cv::Size size = coarse_size(grid);
   cv::Mat distance(size, CV_32FC1);
   cv::Mat change(size, CV_32FC1);
+  cv::Mat depth(size, CV_32FC1);
   PredictedOutline result;
   double shares = 0.0;
   Between at;
@@ -87,12 +88,15 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
       shares += at.u;
       const double u = round_ends ? 1.0 - rounded_off(second, 1.0 - rounded_off(first, at.u)) : at.u;
       distance.at<float>(j, i) = per_block * curved.value_mm(at.ab_mm, u);
-      change.at<float>(j, i) = per_block * std::abs(distance_or_absent(second, at.ab_mm, deepest) -
-                                                    distance_or_absent(first, at.ab_mm, deepest));
+      const float of_first = per_block * distance_or_absent(first, at.ab_mm, deepest);
+      const float of_second = per_block * distance_or_absent(second, at.ab_mm, deepest);
+      change.at<float>(j, i) = std::abs(of_second - of_first);
+      depth.at<float>(j, i) = std::max(of_first, of_second);
     }
   }
   result.distance = filled_in(distance, grid.size);
   result.change = filled_in(change, grid.size);
+  result.depth = filled_in(depth, grid.size);
   result.share = shares / static_cast<double>(size.area());
   return result;
 }

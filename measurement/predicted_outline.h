@@ -14,6 +14,7 @@ namespace fathom {
 struct PredictedOutline {
   cv::Mat distance;    ///< by interpolation that maximal discs guide, of second order
   cv::Mat change;      ///< how far the distance straight across changes from the one section to the other, without sign
+  cv::Mat depth;       ///< straight across, the larger of the distances of both sections
   double share = 0.5;  ///< of the way from the first section to the second, on average
 };
 

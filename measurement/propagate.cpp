@@ -20,10 +20,10 @@ constexpr double kMeantToOverlap = 0.1;  // of the smaller structure: more than 
 
 // The probability of Dice >= 0.9, by a logistic regression on simulated sweeps with seeds of their own
 // (docs/results.md says how).
-constexpr double kConfidenceConstant = 0.0;
-constexpr double kConfidenceOfError = 0.0;
-constexpr double kConfidenceOfMove = 0.0;
-constexpr double kConfidenceOfChange = 0.0;
+constexpr double kConfidenceConstant = -3.905;
+constexpr double kConfidenceOfError = -0.840;
+constexpr double kConfidenceOfMove = -0.652;
+constexpr double kConfidenceOfChange = -1.341;
 constexpr double kLeastFault = 0.002;  // of 1 - Dice, that a logarithm is taken of
 
 double confidence_of(const FilledFrame& frame) {

@@ -24,9 +24,9 @@ struct PropagateOptions {
   bool round_ends = true;                ///< false: towards an end structures taper off as disc-guided surfaces do
   /// Standard deviation of the prediction's error half-way between two drawn sections: as a share of the error that
   /// shows where a drawn section is predicted from its neighbours, twice as far apart; and, where nothing shows or a
-  /// section has no area, as a share of how far the outline moves from one section to the other.
+  /// part comes or goes, as a share of how far the outline moves from one section to the other.
   double spread_of_misfit = 0.3;
-  double spread_of_change = 0.4;
+  double spread_of_change = 0.15;
   StackRefinementOptions refinement;
 
   /// Throws Error when a value is out of range.

@@ -17,6 +17,7 @@ constexpr double kMargin_px = 40.0;  // around the drawn outlines, where parts b
 constexpr double kLeastSpread_blocks = 0.1;
 constexpr double kBand_blocks = 8.0;  // beside an outline, where its errors and changes count
 constexpr double kWindow_blocks = 6.0;
+constexpr int kNeighbourhood_blocks = 17;  // in which a part is as thick as its deepest place
 
 double overlap_fault(const cv::Mat& a, const cv::Mat& b) {
   const cv::Mat in_a = a > 0.0;
@@ -69,9 +70,19 @@ std::optional<cv::Mat> misfit(const DrawnSection* before, const DrawnSection& dr
   return along_outline(cv::abs(predicted.distance - distance), distance);
 }
 
+/// Where a part comes or goes between the sections, 0 to 1: it moves by as much as it is thick, or more.
+cv::Mat coming_or_going(const PredictedOutline& predicted) {
+  cv::Mat thickness;
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {kNeighbourhood_blocks, kNeighbourhood_blocks});
+  cv::dilate(cv::max(predicted.depth, 1.0), thickness, disc);
+  cv::Mat share;
+  cv::divide(predicted.change, thickness, share);
+  return cv::min(cv::max(2.0 * share - 1.0, 0.0), 1.0);
+}
+
 /// Standard deviation of the prediction's error around every block, pinned to 0 at the drawn sections.
 cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat>& first_misfit,
-                  const std::optional<cv::Mat>& second_misfit, bool ends, const PropagateOptions& options) {
+                  const std::optional<cv::Mat>& second_misfit, const PropagateOptions& options) {
   const double w = predicted.share;
   cv::Mat spread;
   if (first_misfit && second_misfit) {
@@ -79,9 +90,11 @@ cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat
   } else if (first_misfit || second_misfit) {
     spread = options.spread_of_misfit * (first_misfit ? *first_misfit : *second_misfit);
   }
-  if (spread.empty() || ends) {
-    const cv::Mat by_change = options.spread_of_change * along_outline(predicted.change, predicted.distance);
-    spread = spread.empty() ? by_change : cv::Mat(cv::max(spread, by_change));
+  const cv::Mat change = options.spread_of_change * predicted.change;
+  if (spread.empty()) {
+    spread = along_outline(change, predicted.distance);
+  } else {
+    spread = cv::max(spread, along_outline(change.mul(coming_or_going(predicted)), predicted.distance));
   }
   return cv::max(spread * (2.0 * std::sqrt(w * (1.0 - w))), kLeastSpread_blocks);
 }
@@ -104,7 +117,6 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection
     return section_distances(*section.shape, section.place, grid, deepest_mm / block_mm(section.place, grid));
   };
 
-  const bool ends = first.outlines_px.empty() || second.outlines_px.empty();
   const auto first_misfit = misfit(before, first, &second, drawn_distances(first), grid);
   const auto second_misfit = misfit(&first, second, after, drawn_distances(second), grid);
   std::vector<StackFrame> stack(frames.size() + 2);
@@ -122,7 +134,7 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection
       const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
       const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid, options.round_ends);
       to = stack_frame(recording, frame.frame, grid, predicted.distance);
-      to.spread = spread_of(predicted, first_misfit, second_misfit, ends, options);
+      to.spread = spread_of(predicted, first_misfit, second_misfit, options);
       to.share = predicted.share;
     }
   });

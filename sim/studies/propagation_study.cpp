@@ -133,7 +133,7 @@ std::vector<PropagationStudySweep> propagation_study(const PropagationStudyOptio
   std::vector<PropagationStudySweep> sweeps;
   for (int i = 0; i < options.sweeps; ++i) {
     report(progress, static_cast<double>(i) / options.sweeps);
-    sweeps.push_back(score_sweep(options, i));
+    sweeps.push_back(score_sweep(options, options.first_sweep + i));
   }
   return sweeps;
 }
@@ -145,6 +145,7 @@ PropagationSummary summary_of(const std::vector<PropagationStudySweep>& sweeps) 
   std::vector<double> volumes;
   std::vector<double> ratios;
   std::vector<double> seconds;
+  std::vector<double> of_sweeps;
   int right = 0;
   int right_of_sure = 0;
   summary.worst_sweep_dice = 1.0;
@@ -161,10 +162,12 @@ PropagationSummary summary_of(const std::vector<PropagationStudySweep>& sweeps) 
     if (sweep.image_free_dice <= kHard) ratios.push_back((1.0 - sweep.dice) / (1.0 - sweep.image_free_dice));
     summary.worst_sweep_dice = std::min(summary.worst_sweep_dice, sweep.dice);
     seconds.push_back(sweep.seconds_per_frame);
+    of_sweeps.push_back(sweep.dice);
   }
   summary.contours = static_cast<int>(scores.size());
   summary.mean_dice = mean(scores);
   summary.fifth_percentile = fifth_percentile(scores);
+  summary.fifth_percentile_of_sweeps = fifth_percentile(of_sweeps);
   summary.image_free_mean_dice = mean(baseline);
   summary.image_free_fifth_percentile = fifth_percentile(baseline);
   summary.mean_volume_error_percent = mean(volumes);

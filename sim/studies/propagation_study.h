@@ -11,8 +11,9 @@ namespace fathom {
 
 /// Propagation on simulated speckled sweeps of the scenes: true contours on every `drawn_every`-th frame.
 struct PropagationStudyOptions {
-  int sweeps = 40;  ///< all five scenes in turn, each in all five patterns of one sweep in turn
-  int frames = 97;  ///< of each sweep
+  int first_sweep = 0;  ///< of those; a study may be made in parts
+  int sweeps = 40;      ///< all five scenes in turn, each in all five patterns of one sweep in turn
+  int frames = 97;      ///< of each sweep
   int drawn_every = 8;
   std::uint64_t first_seed = 9001;  ///< of the first sweep; the others follow
   double jitter_mm = 0.0;           ///< of the hand
@@ -48,6 +49,7 @@ struct PropagationSummary {
   double fifth_percentile = 0.0;  ///< over frames
   double image_free_mean_dice = 0.0;
   double image_free_fifth_percentile = 0.0;
+  double fifth_percentile_of_sweeps = 0.0;
   double worst_sweep_dice = 0.0;
   double mean_volume_error_percent = 0.0;  ///< without sign
   double largest_volume_error_percent = 0.0;

@@ -12,7 +12,7 @@ from recording_file import MetaImage
 
 COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
             "surface", "reslice", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo",
-            "devices", "serve")
+            "devices", "serve", "record", "recover", "propagate", "view")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "cubic_planimetry_quadric", "shape_based",
            "centroid_guided", "disc_guided", "disc_guided_curved"}
 SIMULATE = ("simulate", "--object", "sphere", "--pattern", "linear")
@@ -136,6 +136,30 @@ def scan_to_volume(program, folder, tally):
     tally.check("every tenth frame", steps != {10} and f"steps of {steps}")
     table = program.must_run("measure", scan, "--calibration", calibration, "--contours", outlines).out
     tally.check("a table for people", "ml" not in table and table)
+
+
+def propagation(program, folder, tally):
+    """From outlines on some frames to all between; drawn ones stay, and a gap that leads nowhere is refused."""
+    scan, truth, drawn, filled = (folder / name for name in ("few.mha", "few.contours.json", "drawn.json", "all.json"))
+    program.must_run("simulate", "--object", "bladder", "--pattern", "linear", "--frames", 17, "--speckle", "--out", scan)
+    document = json.loads(truth.read_text())
+    structure = document["structures"][0]
+    structure["contours"] = [c for c in structure["contours"] if c["frame"] % 4 == 0 and "points" in c]
+    drawn.write_text(json.dumps(document))
+    found = program.must_run("propagate", scan, "--contours", drawn, "--calibration", folder / "few.calibration.json",
+                             "--out", filled, "--picture", folder / "all.png", "--json").json()
+    tally.check("propagate's keys", without({"contours", "confidence"}, found))
+    after = json.loads(filled.read_text())["structures"][0]["contours"]
+    tally.check("drawn contours stay", [c for c in after if "confidence" not in c] != structure["contours"] and "they changed")
+    tally.check("frames between are filled", found["contours"] != len(after) - len(structure["contours"]) and f"{found}")
+    tally.check("the picture is there", not (folder / "all.png").read_bytes().startswith(b"\x89PNG") and "it is not")
+    structure["contours"] = structure["contours"][:1]
+    drawn.write_text(json.dumps({"fathom_contours": 1, "structures": [
+        {"name": "bladder", "contours": structure["contours"]}]}))
+    filled.unlink()
+    outcome = program.run("propagate", scan, "--contours", drawn, "--out", filled)
+    wrong = outcome.status != 1 or filled.exists() or "at least two frames" not in outcome.err
+    tally.check("one outlined frame leads nowhere", wrong and f"{outcome}")
 
 
 def seeds(program, folder, tally):

@@ -120,19 +120,20 @@ void expect_sound(const Structure& structure, int frames) {
 }
 
 TEST(Propagate, FollowsThePixelsWhereTheDrawnFramesKnowNothingOfTheMotion) {
-  const Scene scene = swinging_disc();
+  // Between the last two drawn frames the disc hurries ahead of where an even motion would have it.
+  const std::vector<double> ahead = {0.0, 0.0, 0.0, 0.0, 0.0, 8.0, 14.0, 15.0, 14.0};
+  Scene scene;
+  for (const double x : ahead) scene.push_back({{80.0 + x, 80.0, 30.0}});
   const MemoryRecording recording = recording_of(scene);
-  // Both ends are alike, so that only a third section tells that the disc moves.
   const std::vector<Structure> with_hint = {drawn(scene, {0, 4, kLast})};
   const Propagation filled = propagate(recording, with_hint, nullptr, {}, {});
   PropagateOptions blind;
   blind.pixels = false;
   const Propagation interpolated = propagate(recording, with_hint, nullptr, {}, blind);
   ASSERT_EQ(filled.frames.size(), 6u);
-  for (const int frame : {2, 6}) {
+  for (const int frame : {5, 6, 7}) {
     const cv::Mat truth = mask_of(scene[static_cast<std::size_t>(frame)]);
     const double with_pixels = dice(truth, mask_of(filled.structures[0], frame));
-    EXPECT_GT(with_pixels, 0.96) << frame;
     EXPECT_GT(with_pixels, dice(truth, mask_of(interpolated.structures[0], frame))) << frame;
   }
   expect_sound(filled.structures[0], kLast + 1);
