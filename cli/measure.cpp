@@ -26,7 +26,7 @@ std::vector<StructureResult> measure(const MeasureCommand& command, const std::o
   // Whether outlines may be open depends on the planes, which depend on where outlines are.
   require_measurable(structures, frame_counts(scan), OpenContours::kAllow, file);
   require_simple_outlines(structures, file);
-  MeasureOptions options{.surfaces = !command.no_surfaces, .confidence = {}};
+  MeasureOptions options{.surfaces = !command.no_surfaces};
   command.errors.check();
   const bool may_divide = exam || !command.input.planes.empty();
   if (!may_divide) require_measurable(structures, frame_counts(scan), OpenContours::kRefuse, file);

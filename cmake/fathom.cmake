@@ -21,16 +21,24 @@ endfunction()
 
 # For targets that only parse, call and check: optimising them would take most of the build's time and gain nothing.
 function(fathom_build_fast target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-endfunction()
-
-# For the tests and the command line themselves: undefined behaviour is looked for in the libraries that do the work; in
-# these it would double the build.
-function(fathom_check_memory_only target)
-  if(CMAKE_CXX_FLAGS MATCHES "undefined")
-    target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release" OR FATHOM_AS_RELEASED)
+    target_compile_options(${target} PRIVATE -O1)
   endif()
 endfunction()
+
+if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  set(FATHOM_SANITIZED ON)
+endif()
+
+# In the folders of the tests, the windows and the command line: under AddressSanitizer these are compiled as in release.
+# Faults are looked for in the libraries that do the work; in what only parses, draws, calls and checks, looking would
+# double the build.
+macro(fathom_compile_as_released)
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=address")
+    set(CMAKE_CXX_FLAGS "-O3 -DNDEBUG")
+    set(FATHOM_AS_RELEASED ON)
+  endif()
+endmacro()
 
 # fathom_library(<folder> SOURCES ... LINK ...): the static library fathom_<folder>.
 function(fathom_library folder)
@@ -49,8 +57,7 @@ function(fathom_test folder)
   target_link_libraries(${folder}_test PRIVATE ${arg_LINK} GTest::gtest GTest::gtest_main)
   fathom_target_defaults(${folder}_test)
   fathom_build_fast(${folder}_test)
-  fathom_check_memory_only(${folder}_test)
-  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  if(FATHOM_SANITIZED)
     # To start a program under the sanitizers takes longer than most cases: a few entries share the cases among them.
     set(shares 4)
     math(EXPR last "${shares} - 1")

@@ -113,7 +113,7 @@ SweepSections LiveVolume::update_sweep(const Structure& structure, const FrameLo
 VolumeMeasurement LiveVolume::measure_division(const Structure& structure, const Scan& scan, const Division& division) {
   if (division.partition.planes().empty()) {
     sweeps_.clear();
-    return measure_structures({structure}, scan, division, {.surfaces = false, .confidence = {}}).front().measurement;
+    return measure_structures({structure}, scan, division, {.surfaces = false}).front().measurement;
   }
   const bool same = std::equal(sweeps_.begin(), sweeps_.end(), division.sweeps.begin(), division.sweeps.end(),
                                [](const KeptSweep& kept, const Sweep& sweep) { return kept.sweep == sweep; });

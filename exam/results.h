@@ -42,7 +42,7 @@ struct StructureResult {
 struct MeasureOptions {
   bool surfaces = true;  ///< also by surfaces, which takes some tenths of a second for each structure
   /// Also how far the volumes can be trusted, where the scan is taken as one sweep.
-  std::optional<ConfidenceOptions> confidence;
+  std::optional<ConfidenceOptions> confidence = std::nullopt;
 };
 
 /// Measures every structure by every method. `locator` is that of `recording`. Where planimetry has no volume the
