@@ -27,6 +27,15 @@ cv::Mat shown(const cv::Mat& picture) {
   return rgba;
 }
 
+// Outlines that cannot be measured, open ones without planes, leave no division; a picture can be made without.
+std::optional<Division> division_if_any(const Document& document) {
+  try {
+    return document.division();
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 // How far points reach to either side of the centre along an axis.
 double reach(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& centre, const Eigen::Vector3d& axis) {
   double farthest = 1.0;
@@ -77,7 +86,7 @@ void ResliceViews::reset(const Document& document, int recording) {
     const std::vector<PlacedFrame> frames = placed_frames(source, locator);
     if (frames.empty()) throw Error(source.name() + ": no frame has a place in space");
     std::vector<Sweep> sweeps = find_sweeps(source, locator);
-    const std::optional<Division>& division = document.division();
+    const std::optional<Division> division = division_if_any(document);
     if (division && scan_->recordings.size() == 1) {
       sweeps = division->sweeps;
       if (!division->partition.planes().empty()) partition_ = std::make_shared<SpacePartition>(division->partition);
@@ -116,9 +125,10 @@ void ResliceViews::update(const Document& document, int recording, Worker& worke
   const std::array<std::uint64_t, 2> now{document.placement_revision(), document.division_revision()};
   if (scan_ != document.scan() || recording != recording_ || made_of_ != now) {
     const bool same_place = scan_ == document.scan() && recording == recording_ && made_of_[0] == now[0];
-    const std::array<CutPlane, kCount> planes{views_[0].plane, views_[1].plane};
+    const std::array<View, kCount> before = views_;
     reset(document, recording);
-    for (std::size_t i = 0; same_place && i < kCount; ++i) views_[i].plane = planes[i];
+    // Another division changes what is shown, not where: the picture before is there until the new one is.
+    if (same_place && before[0].error.empty()) views_ = before;
   }
   if (!reslicer_) return;
   for (std::size_t i = 0; i < kCount; ++i) {
