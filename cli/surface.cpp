@@ -107,13 +107,8 @@ Made make_surface(const SurfaceCommand& command, const Structure& structure, con
 Made make_parts(const SurfaceCommand& command, const Structure& structure, const Scan& scan, const Division& division,
                 AtomicFile& file, const Progress& progress) {
   const Caps caps = command.open ? Caps::kOpen : Caps::kClosed;
-  Division whole = division;
-  // A single sweep has all of space, which no plane need tell.
-  if (whole.sweeps.size() == 1 && whole.partition.planes().empty()) {
-    whole.partition = SpacePartition(sweep_shapes(whole.sweeps, scan));
-  }
   PartitionedSurface surface =
-      partition_surface(structure, scan.locators, whole, command.surface, caps, part_of(progress, 0.0, 0.9));
+      partition_surface(structure, scan.locators, division, command.surface, caps, part_of(progress, 0.0, 0.9));
   const Mesh mesh = surface.mesh();
   write_structure_mesh(mesh, structure, file, part_of(progress, 0.9, 1.0));
   MeshReport report = report_of(mesh, "leave out --open");

@@ -200,6 +200,15 @@ void append(const Mesh& part, Mesh& whole) {
   for (const auto& [a, b, c] : part.triangles) whole.triangles.push_back({first + a, first + b, first + c});
 }
 
+// A single sweep has all of space, which no plane need tell.
+Division with_space(Division division, std::span<const FrameLocator> locators) {
+  if (division.sweeps.size() == 1 && division.partition.planes().empty()) {
+    const Sweep& sweep = division.sweeps.front();
+    division.partition = SpacePartition({sweep_shape(sweep, locators[sweep.recording], 1, 1)});
+  }
+  return division;
+}
+
 }  // namespace
 
 Mesh PartitionedSurface::mesh() const {
@@ -222,8 +231,9 @@ double PartitionedSurface::surface_area_mm2() const {
 }
 
 PartitionedSurface partition_surface(const Structure& structure, std::span<const FrameLocator> locators,
-                                     const Division& division, const ContourSurfaceOptions& options, Caps caps,
+                                     const Division& asked, const ContourSurfaceOptions& options, Caps caps,
                                      const Progress& progress) {
+  const Division division = with_space(asked, locators);
   const std::vector<Sweep>& sweeps = division.sweeps;
   const SpacePartition& partition = division.partition;
   if (sweeps.size() > 1 && partition.planes().empty()) {
