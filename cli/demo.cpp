@@ -64,7 +64,8 @@ void run(const DemoOptions& options) {
 
   const FrameLocator locator(*recording, calibration);
   const std::vector<StructureResult> results =
-      measure_structures({outlined}, *recording, locator, {}, progress_bar("measuring"));
+      measure_structures({outlined}, *recording, locator, {.confidence = ConfidenceOptions{calibration, {}, {}}},
+                         progress_bar("measuring"));
   const nlohmann::ordered_json json = results_json(results);
   write_text_file(folder / "results.json", json.dump(1, ' ') + "\n");
 

@@ -25,8 +25,6 @@ constexpr double kScatterSquares = 1.5;
 // Of the volume: below that, rounding of contours and poses decides.
 constexpr double kFloor = 2e-4;
 
-using Vectors = std::vector<Eigen::Vector3d>;
-
 // What the volume changes by, in mm3, with the place of a section and with its vector area, by equation (2.2).
 struct Weights {
   Eigen::Vector3d place;

@@ -32,18 +32,19 @@ struct VolumeInterval {
   double calibration_ml = 0.0;  ///< by the covariance of the calibration, where it has one
 };
 
-/// The interval about `volume_ml`, which is quadric planimetry of `sections`. `outlines` has the perimeter of each
-/// section's outlines in mm; `reference_from_probe` each frame's pose, for the lever of the tracker's turns.
-/// `calibration_ml` as calibration_spread_ml (measurement/calibration_spread.h). Empty with fewer than four sections,
-/// which do not tell how smooth the organ is, and where planimetry has no volume.
-///
-/// Outlining and tracker: first order propagation through equation (2.2), in which each section's area and centroid
-/// weigh by the way, or the areas, of its neighbours. Spacing: a quarter of the root sum of squares of what the volume
-/// changes by when each inner section in turn is left out; the share was found on simulated scans (docs/results.md).
+/// What errors of a section act on.
 struct SectionPlace {
   double perimeter_mm = 0.0;
   Eigen::Vector3d probe_mm = Eigen::Vector3d::Zero();  ///< the sensor, in reference coordinates
 };
+
+/// The interval about quadric planimetry of `sections`; `places` has one entry for each of them. `calibration_ml` as
+/// calibration_spread_ml (measurement/calibration_spread.h). Empty with fewer than four sections, which do not tell how
+/// smooth the organ is, and where planimetry has no volume.
+///
+/// Outlining and tracker: first order propagation through equation (2.2), in which each section's area and centroid
+/// weigh by the way, or the areas, of its neighbours. Spacing: a quarter of the root sum of squares of what the volume
+/// changes by when each inner section in turn is left out; the share was found on simulated scans (docs/results.md).
 std::optional<VolumeInterval> volume_interval(std::span<const CrossSection> sections,
                                               std::span<const SectionPlace> places, const MeasurementErrors& errors,
                                               double calibration_ml = 0.0);

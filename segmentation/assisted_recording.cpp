@@ -75,11 +75,12 @@ bool all_closed(const std::vector<Contour>& contours) {
   return std::all_of(contours.begin(), contours.end(), [](const Contour& contour) { return contour.closed; });
 }
 
-}  // namespace
+using Entries = std::vector<const FrameSeeds*>;
 
-std::vector<Contour> outline_by_seeds(const Recording& from, int recording, const std::vector<FrameSeeds>& seeds,
-                                      const LiveWireOptions& options, const Progress& progress) {
-  options.check();
+// The outlines that `outline` finds on every frame with seeds.
+template <typename Outline>
+std::vector<Contour> on_seeded_frames(const Recording& from, int recording, const std::vector<FrameSeeds>& seeds,
+                                      const Progress& progress, const Outline& outline) {
   require_images(from);
   require_seeds_on_images(seeds, from, recording);
   std::vector<Contour> contours;
@@ -87,6 +88,17 @@ std::vector<Contour> outline_by_seeds(const Recording& from, int recording, cons
   double done = 0.0;
   for (const auto& [frame, entries] : frames) {
     report(progress, done++ / static_cast<double>(frames.size()));
+    append(contours, outline(frame, entries), frame, recording);
+  }
+  return contours;
+}
+
+}  // namespace
+
+std::vector<Contour> outline_by_seeds(const Recording& from, int recording, const std::vector<FrameSeeds>& seeds,
+                                      const LiveWireOptions& options, const Progress& progress) {
+  options.check();
+  return on_seeded_frames(from, recording, seeds, progress, [&](int frame, const Entries& entries) {
     const cv::Mat image = from.image(frame);
     std::vector<Polygon> outlines;
     for (const FrameSeeds* entry : entries) {
@@ -95,29 +107,20 @@ std::vector<Contour> outline_by_seeds(const Recording& from, int recording, cons
     if (const auto fault = outline_fault(outlines)) {
       throw Error(frame_name(from, frame) + ": an outline " + *fault + "; place its seeds nearer to each other there");
     }
-    append(contours, std::move(outlines), frame, recording);
-  }
-  return contours;
+    return outlines;
+  });
 }
 
 std::vector<Contour> outline_regions(const Recording& from, int recording, const std::vector<FrameSeeds>& seeds,
                                      const RegionOptions& options, const Progress& progress) {
   options.check();
-  require_images(from);
-  require_seeds_on_images(seeds, from, recording);
-  std::vector<Contour> contours;
-  const auto frames = by_frame(seeds, recording);
-  double done = 0.0;
-  for (const auto& [frame, entries] : frames) {
-    report(progress, done++ / static_cast<double>(frames.size()));
+  return on_seeded_frames(from, recording, seeds, progress, [&](int frame, const Entries& entries) {
     std::vector<Eigen::Vector2d> points;
     for (const FrameSeeds* entry : entries) {
       points.insert(points.end(), entry->points_px.begin(), entry->points_px.end());
     }
-    append(contours, on_frame(from, frame, [&] { return grow_region(from.image(frame), points, options); }), frame,
-           recording);
-  }
-  return contours;
+    return on_frame(from, frame, [&] { return grow_region(from.image(frame), points, options); });
+  });
 }
 
 void refine_structure(const Recording& from, int recording, const RefineOptions& options, Structure& structure,

@@ -12,7 +12,7 @@
 #include "exam/document.h"
 #include "exam/make_exam.h"
 #include "exam/state_folder.h"
-#include "tests/exam/scan.h"
+#include "tests/exam/box_exam.h"
 #include "tests/scratch_folder.h"
 
 namespace fathom {
@@ -20,17 +20,7 @@ namespace {
 
 class Crash : public ::testing::Test {
  protected:
-  Crash() {
-    ::setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
-    write_recording(box_recording(), folder_ / "box.mha");
-    write_text_file(folder_ / "probe.json", calibration_json(box_calibration()));
-    write_text_file(folder_ / "contours.json", contours_json({box_structure()}));
-    ExamParts parts;
-    parts.recordings = {folder_ / "box.mha"};
-    parts.calibration = folder_ / "probe.json";
-    parts.contours = folder_ / "contours.json";
-    create_exam(exam(), parts);
-  }
+  Crash() { make_box_exam(folder_); }
 
   std::filesystem::path exam() const { return folder_ / "exam"; }
 

@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "core/text_file.h"
 #include "exam/make_exam.h"
-#include "tests/exam/scan.h"
+#include "tests/exam/box_exam.h"
 #include "tests/scratch_folder.h"
 
 namespace fathom {
@@ -14,17 +14,7 @@ namespace {
 
 class Documents : public ::testing::Test {
  protected:
-  Documents() {
-    ::setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
-    write_recording(box_recording(), folder_ / "box.mha");
-    write_text_file(folder_ / "probe.json", calibration_json(box_calibration()));
-    write_text_file(folder_ / "contours.json", contours_json({box_structure()}));
-    ExamParts parts;
-    parts.recordings = {folder_ / "box.mha"};
-    parts.calibration = folder_ / "probe.json";
-    parts.contours = folder_ / "contours.json";
-    create_exam(exam(), parts);
-  }
+  Documents() { make_box_exam(folder_); }
 
   std::filesystem::path exam() const { return folder_ / "exam"; }
   static std::string bytes(const Document& document) {

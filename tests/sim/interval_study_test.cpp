@@ -43,8 +43,10 @@ TEST(MissingEndsStudy, OfSixObjects) {
   const auto rows = missing_ends_study();
   std::cout << missing_ends_text(rows);
   for (const MissingEndsRow& row : rows) {
-    if (row.object == "sphere") {
-      EXPECT_LT(std::abs(row.corrected_percent[1]), 2.0);
+    // A cone that is scanned from its tip grows up to its face: the program says that it cannot tell.
+    EXPECT_EQ(row.both_told, row.object != "cone" || row.pattern != "linear") << row.object << " " << row.pattern;
+    if (row.both_told) {
+      EXPECT_LT(std::abs(row.corrected_percent[1]), 2.0) << row.object << " " << row.pattern;
     }
   }
 }

@@ -101,6 +101,18 @@ std::unique_ptr<LiveSource> make(const std::string& source) {
 
 bool has_samples(const Heard& heard, std::size_t count) { return heard.samples.size() >= count; }
 
+// Waits until the instrument is told to be back, and looks at the poses from then on.
+void expect_right_poses_once_back(Heard& heard, LiveSource& source, Terminal& terminal) {
+  EXPECT_TRUE(heard.wait_for([](const Heard& h) { return h.was_told("back after"); }));
+  std::size_t before = 0;
+  EXPECT_TRUE(heard.wait_for([&](const Heard& h) { return before = h.samples.size(), true; }));
+  EXPECT_TRUE(heard.wait_for([&](const Heard& h) { return has_samples(h, before + 10); }));
+  source.stop();
+  const std::vector<TrackerSample> after(heard.samples.begin() + static_cast<std::ptrdiff_t>(before),
+                                         heard.samples.end());
+  EXPECT_EQ(missing(after, terminal.sent()), 0U);
+}
+
 void expect_all_poses(PolhemusModel model, const std::string& options) {
   Terminal terminal(model);
   terminal.plug_in();
@@ -157,14 +169,7 @@ TEST(PolhemusSerial, ComesBackAfterItWasUnplugged) {
   EXPECT_TRUE(heard.wait_for_state(SourceState::kConnecting));
   terminal.switch_off_and_on();
   terminal.plug_in();
-  EXPECT_TRUE(heard.wait_for([](const Heard& h) { return h.was_told("back after"); }));
-  std::size_t before = 0;
-  EXPECT_TRUE(heard.wait_for([&](const Heard& h) { return before = h.samples.size(), true; }));
-  EXPECT_TRUE(heard.wait_for([&](const Heard& h) { return has_samples(h, before + 10); }));
-  source->stop();
-  const std::vector<TrackerSample> after(heard.samples.begin() + static_cast<std::ptrdiff_t>(before),
-                                         heard.samples.end());
-  EXPECT_EQ(missing(after, terminal.sent()), 0U);
+  expect_right_poses_once_back(heard, *source, terminal);
 }
 
 // Switched off and on it measures in inches again; unless it is set up anew a pose would be wrong by 2.54.
@@ -176,14 +181,7 @@ TEST(PolhemusSerial, IsSetUpAgainAfterItWasSwitchedOffAndOn) {
   source->start(heard);
   EXPECT_TRUE(heard.wait_for([](const Heard& h) { return has_samples(h, 10); }));
   terminal.switch_off_and_on();
-  EXPECT_TRUE(heard.wait_for([](const Heard& h) { return h.was_told("back after"); }));
-  std::size_t before = 0;
-  EXPECT_TRUE(heard.wait_for([&](const Heard& h) { return before = h.samples.size(), true; }));
-  EXPECT_TRUE(heard.wait_for([&](const Heard& h) { return has_samples(h, before + 10); }));
-  source->stop();
-  const std::vector<TrackerSample> after(heard.samples.begin() + static_cast<std::ptrdiff_t>(before),
-                                         heard.samples.end());
-  EXPECT_EQ(missing(after, terminal.sent()), 0U);
+  expect_right_poses_once_back(heard, *source, terminal);
 }
 
 // As after a program that died while the instrument was sending.
