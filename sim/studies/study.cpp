@@ -1,0 +1,21 @@
+#include "sim/studies/study.h"
+
+#include "core/error.h"
+
+namespace fathom {
+
+const std::vector<const Study*>& all_studies() {
+  static const std::vector<const Study*> studies = {};
+  return studies;
+}
+
+const Study& study_of(const std::string& name) {
+  std::string names;
+  for (const Study* study : all_studies()) {
+    if (study->name() == name) return *study;
+    names += (names.empty() ? "" : ", ") + study->name();
+  }
+  throw Error("there is no study '" + name + "'; choose from: " + names);
+}
+
+}  // namespace fathom
