@@ -1,11 +1,12 @@
 #include "sim/studies/study.h"
 
 #include "core/error.h"
+#include "sim/studies/volume_study.h"
 
 namespace fathom {
 
 const std::vector<const Study*>& all_studies() {
-  static const std::vector<const Study*> studies = {};
+  static const std::vector<const Study*> studies = {&volume_study()};
   return studies;
 }
 
