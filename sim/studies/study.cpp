@@ -1,12 +1,13 @@
 #include "sim/studies/study.h"
 
 #include "core/error.h"
+#include "sim/studies/sweeps_table.h"
 #include "sim/studies/volume_study.h"
 
 namespace fathom {
 
 const std::vector<const Study*>& all_studies() {
-  static const std::vector<const Study*> studies = {&volume_study()};
+  static const std::vector<const Study*> studies = {&volume_study(), &sweeps_table()};
   return studies;
 }
 
