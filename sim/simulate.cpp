@@ -138,7 +138,7 @@ SimulatedScan simulate(const SimulateOptions& options, const Progress& progress)
   SimulatedScan scan;
   scan.calibration = simulated_calibration(phantom.pixel_mm, plan.image_size, options.latency_s);
   ProbeMotion motion = move_probe(plan, phantom, scan.calibration, options);
-  const bool steady = options.jitter_mm == 0.0 && options.jitter_deg == 0.0;
+  const bool steady = options.steady_ends || (options.jitter_mm == 0.0 && options.jitter_deg == 0.0);
   bool seen = false;
   for (const PhantomPart& part : phantom.parts) {
     scan.outlines.push_back(true_outlines(part, plan, motion, steady, progress));

@@ -23,6 +23,7 @@ struct SimulateOptions : TrackerOptions {
   int frames = 20;                 ///< 1 to kMaxFrames
   double jitter_mm = 0.0;          ///< unsteady hand, before the scan: uniform in +- on each of three axes
   double jitter_deg = 0.0;         ///< the same for azimuth, elevation and roll
+  bool steady_ends = false;        ///< the hand is steady at each sweep's first and last frame, where it waits
   double misregister_mm = 0.0;     ///< errors of the recorded poses, after the scan: uniform in +- on each axis
   double misregister_deg = 0.0;
   /// B-scans with speckle, as a scanner shows them; else 255 inside the object and 0 outside. Its `seed` is not used:

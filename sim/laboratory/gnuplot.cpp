@@ -1,5 +1,6 @@
 #include "sim/laboratory/gnuplot.h"
 
+#include <array>
 #include <cerrno>
 #include <cmath>
 
@@ -18,6 +19,10 @@ namespace fathom {
 namespace {
 
 constexpr int kCommandNotFound = 127;  // where posix_spawn finds out in the child
+
+// Colours that are told apart on white, in print, and by most who confuse red and green (Okabe and Ito, less yellow).
+constexpr std::array<const char*, 7> kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                "#e69f00", "#56b4e9", "#000000"};
 
 // In single quotes nothing but the quote itself has a meaning, given `noenhanced`.
 std::string quoted(const std::string& text) {
@@ -55,12 +60,15 @@ std::string script_of(const PlotFile& file) {
   std::string script = "reset\nset grid lc rgb '#d0d0d0'\nset key outside right top\nset xzeroaxis lc rgb '#606060'\n";
   script += "set output " + quoted(file.file.string()) + "\nset title " + quoted(plot.title) + "\nset xlabel " +
             quoted(plot.x_label) + "\nset ylabel " + quoted(plot.y_label) + "\n";
+  if (plot.y_range) {
+    script += "set yrange [" + format_real(plot.y_range->first) + ":" + format_real(plot.y_range->second) + "]\n";
+  }
   std::string commands;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const StudySeries& series = plot.series[i];
     if (series.points.empty()) continue;
     const std::string name = "$series" + std::to_string(i);
-    const std::string style = " lw 1.5 lc " + std::to_string(i + 1);
+    const std::string style = std::string(" lw 1.5 lc rgb '") + kColors[i % kColors.size()] + "'";
     script += name + " << END_OF_DATA\n" + data_of(series) + "END_OF_DATA\n";
     commands += (commands.empty() ? "plot " : ", ") + name + " using 1:2 with linespoints pt " + std::to_string(i + 4) +
                 " ps 0.6" + style + " title " + quoted(series.name);

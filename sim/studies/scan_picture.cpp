@@ -16,7 +16,7 @@ namespace {
 
 const cv::Size kPicture{420, 360};
 constexpr double kBeside = 0.12;   // of the outlines' extent: the rectangles leave so much around them
-constexpr double kMargin = 0.96;   // of the picture are filled
+constexpr double kFilled = 0.94;   // of the picture
 constexpr double kSurface = 0.75;  // how much the surface hides what is behind it
 const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kFrameColor(170, 120, 60);
@@ -44,26 +44,26 @@ Line in_space(const Polygon& points_px, const Eigen::Affine3d& reference_from_im
   return line;
 }
 
-/// Looks along the sweep, from the side and from above, whichever way the images lie.
+/// Looks along the sweep, from the side and from above, whichever way the images lie, and shows all of the frames.
 OrthographicView view_of(const FrameLocator& locator, const std::vector<Line>& frames) {
   const auto middle = locator.reference_from_image(locator.frame_count() / 2);
-  Eigen::AlignedBox3d box;
-  for (const Line& frame : frames) {
-    for (const Eigen::Vector3d& corner : frame) box.extend(corner);
-  }
-  double radius_mm = 0.0;
-  for (const Line& frame : frames) {
-    for (const Eigen::Vector3d& corner : frame) radius_mm = std::max(radius_mm, (corner - box.center()).norm());
-  }
   const Eigen::Vector3d x = middle->linear().col(0).normalized();
   const Eigen::Vector3d y = middle->linear().col(1).normalized();
   OrthographicView view;
-  view.direction = 0.75 * x.cross(y) + 0.75 * x + 0.45 * y;
+  view.direction = (0.75 * x.cross(y) + 0.75 * x + 0.45 * y).normalized();
   view.up = -y;
   view.width_px = kPicture.width;
   view.height_px = kPicture.height;
-  view.centre_mm = box.center();
-  view.px_per_mm = kMargin * std::min(kPicture.width, kPicture.height) / (2.0 * radius_mm);
+  Eigen::Matrix3d picture_from_mm;
+  picture_from_mm.row(0) = view.direction.cross(view.up).normalized();
+  picture_from_mm.row(1) = picture_from_mm.row(0).transpose().cross(view.direction);
+  picture_from_mm.row(2) = view.direction;
+  Eigen::AlignedBox3d box;
+  for (const Line& frame : frames) {
+    for (const Eigen::Vector3d& corner : frame) box.extend(picture_from_mm * corner);
+  }
+  view.centre_mm = picture_from_mm.transpose() * box.center();
+  view.px_per_mm = kFilled * std::min(kPicture.width / box.sizes().x(), kPicture.height / box.sizes().y());
   return view;
 }
 

@@ -1,13 +1,24 @@
 #include "sim/studies/study.h"
 
 #include "core/error.h"
+#include "sim/studies/disturbance_study.h"
 #include "sim/studies/sweeps_table.h"
+#include "sim/studies/truth_study.h"
 #include "sim/studies/volume_study.h"
 
 namespace fathom {
 
+std::uint64_t case_seed(const StudyOptions& options, int index) {
+  // The mixing of SplitMix64: seeds that differ by one end far apart.
+  std::uint64_t x = options.seed * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(index) + 1;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  return x ^ (x >> 31);
+}
+
 const std::vector<const Study*>& all_studies() {
-  static const std::vector<const Study*> studies = {&volume_study(), &sweeps_table()};
+  static const std::vector<const Study*> studies = {&volume_study(), &unsteady_study(), &misregistration_study(),
+                                                    &sweeps_table(), &truth_study()};
   return studies;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,7 @@ struct StudyPlot {
   std::string x_label;
   std::string y_label;
   std::vector<StudySeries> series;
+  std::optional<std::pair<double, double>> y_range;  ///< empty: all points are shown
 };
 
 /// A picture: an object, a sweep, an image with its outlines. CV_8UC1 or CV_8UC3 (blue, green, red).
@@ -65,6 +67,9 @@ struct StudyReport {
   std::vector<StudyGoal> goals;
 };
 
+/// A seed for a case's own random numbers, unlike that of every other case and of every other seed.
+std::uint64_t case_seed(const StudyOptions& options, int index);
+
 /// A named study: independent cases, and what is made of all their results.
 ///
 /// A case's result is a JSON value that depends on the study's options and the case's number only: not on other cases,
@@ -83,7 +88,8 @@ class Study {
   [[nodiscard]] virtual std::string case_name(const StudyOptions& options, int index) const = 0;
   /// May be called from several threads at once. A volume that cannot be had is null; anything else throws Error.
   [[nodiscard]] virtual nlohmann::ordered_json run_case(const StudyOptions& options, int index) const = 0;
-  /// The rows of the JSON output, one object each, from all cases' results in their order.
+  /// The rows of the JSON output, one object each, from all cases' results in their order. Here and in `report` results
+  /// may come from a file that somebody changed: read them by `at` and `get`, which throw, not by [] of a constant.
   [[nodiscard]] virtual nlohmann::ordered_json rows(const StudyOptions& options,
                                                     const std::vector<nlohmann::ordered_json>& results) const = 0;
   [[nodiscard]] virtual StudyReport report(const StudyOptions& options,

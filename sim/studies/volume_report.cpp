@@ -21,6 +21,8 @@ constexpr int kRoughAllowance = 3;  // planes more than published where the exac
 constexpr double kSmoothRms_percent = 0.1;
 constexpr double kRoughRms_percent = 0.5;
 constexpr double kSameScan_percent = 0.15;
+constexpr double kMargin_percent = 1.0;
+constexpr double kPlotted_percent = 8.0;  // either way: with few planes errors reach 50 %
 constexpr double kSurface_percent = 1.1;
 constexpr int kRowsWithFewer = 8;
 
@@ -209,6 +211,7 @@ void add_plots(const VolumeRow& row, StudyReport& report) {
   plot.title = name_of(row) + ": error of the volume";
   plot.x_label = "planes";
   plot.y_label = "error (%)";
+  plot.y_range = {-kPlotted_percent, kPlotted_percent};
   for (const std::size_t m : {kLinear, kCubic, kCubic3D, kQuadric, kDiscs, kCurvedDiscs}) {
     StudySeries series;
     series.name = kVolumeMethods[m].label;
@@ -216,6 +219,9 @@ void add_plots(const VolumeRow& row, StudyReport& report) {
       series.points.emplace_back(kFewestPlanes + static_cast<double>(i), row.methods[m].error_percent[i]);
     }
     plot.series.push_back(std::move(series));
+  }
+  for (const double margin : {kMargin_percent, -kMargin_percent}) {
+    plot.series.push_back({percent_text(margin, 0) + " %", {{kFewestPlanes, margin}, {kMostPlanes, margin}}, {}, {}});
   }
   report.plots.push_back(std::move(plot));
 }
