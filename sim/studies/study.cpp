@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "sim/studies/disturbance_study.h"
+#include "sim/studies/interval_study.h"
 #include "sim/studies/sweeps_table.h"
 #include "sim/studies/truth_study.h"
 #include "sim/studies/volume_study.h"
@@ -18,7 +19,7 @@ std::uint64_t case_seed(const StudyOptions& options, int index) {
 
 const std::vector<const Study*>& all_studies() {
   static const std::vector<const Study*> studies = {&volume_study(), &unsteady_study(), &misregistration_study(),
-                                                    &sweeps_table(), &truth_study()};
+                                                    &sweeps_table(), &interval_study(), &truth_study()};
   return studies;
 }
 
