@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "sim/studies/disturbance_study.h"
+#include "sim/studies/sweeps_table.h"
 #include "sim/studies/truth_study.h"
 #include "sim/studies/volume_study.h"
 
@@ -16,8 +17,14 @@ std::uint64_t case_seed(const StudyOptions& options, int index) {
 }
 
 const std::vector<const Study*>& all_studies() {
-  static const std::vector<const Study*> studies = {&volume_study(), &unsteady_study(), &misregistration_study(),
-                                                    &truth_study()};
+  // One a line, so that studies are added without touching others.
+  static const std::vector<const Study*> studies = {
+      &volume_study(),           //
+      &unsteady_study(),         //
+      &misregistration_study(),  //
+      &sweeps_table(),           //
+      &truth_study(),            //
+  };
   return studies;
 }
 

@@ -51,8 +51,8 @@ constexpr std::array<Reason, 10> kReasons = {{
     {"cone", "fan", kUnknownScan},
     {"cube", "free", kUnknownScan},
     {"glove", "linear-y",
-     "the glove is one sheared ellipsoid here, so it counts as the ellipsoid does; the published "
-     "one has several parts"},
+     "the glove is one sheared ellipsoid here, so it counts as the ellipsoid does; the shape of the "
+     "published one is known from a picture only"},
     {"glove", "free", kUnknownScan},
     {"hat", "linear", kUnknownScan},
     {"hat", "free", kUnknownScan},
