@@ -57,7 +57,7 @@ std::string data_of(const StudySeries& series) {
 
 std::string script_of(const PlotFile& file) {
   const StudyPlot& plot = *file.plot;
-  std::string script = "reset\nset grid lc rgb '#d0d0d0'\nset key outside right top\nset xzeroaxis lc rgb '#606060'\n";
+  std::string script = "reset\nset grid lc rgb '#d0d0d0'\nset key below\nset xzeroaxis lc rgb '#606060'\n";
   script += "set output " + quoted(file.file.string()) + "\nset title " + quoted(plot.title) + "\nset xlabel " +
             quoted(plot.x_label) + "\nset ylabel " + quoted(plot.y_label) + "\n";
   if (plot.y_range) {
@@ -70,9 +70,10 @@ std::string script_of(const PlotFile& file) {
     const std::string name = "$series" + std::to_string(i);
     const std::string style = std::string(" lw 1.5 lc rgb '") + kColors[i % kColors.size()] + "'";
     script += name + " << END_OF_DATA\n" + data_of(series) + "END_OF_DATA\n";
-    commands += (commands.empty() ? "plot " : ", ") + name + " using 1:2 with linespoints pt " + std::to_string(i + 4) +
-                " ps 0.6" + style + " title " + quoted(series.name);
-    if (has_bars(series)) commands += ", " + name + " using 1:2:3:4 with yerrorbars pt 0" + style + " notitle";
+    commands += commands.empty() ? "plot " : ", ";
+    if (has_bars(series)) commands += name + " using 1:2:3:4 with yerrorbars pt -1" + style + " notitle, ";
+    commands += name + " using 1:2 with linespoints pt " + std::to_string(i + 4) + " ps 0.6" + style + " title " +
+                quoted(series.name);
   }
   // Without a point there is nothing to scale the axes by.
   return script + (commands.empty() ? "set xrange [0:1]\nset yrange [0:1]\nplot NaN notitle" : commands) +
@@ -109,7 +110,7 @@ std::string draw_plots(const std::vector<PlotFile>& plots) {
   std::filesystem::path log = plots.front().file;
   log += ".log";
   std::string text =
-      "set encoding utf8\nset terminal svg size 820,460 noenhanced font 'sans-serif,13' background '#ffffff'\n"
+      "set encoding utf8\nset terminal svg size 820,480 noenhanced font 'sans-serif,13' background '#ffffff'\n"
       "set datafile missing NaN\n";
   for (const PlotFile& plot : plots) text += script_of(plot);
   write_text_file(script, text);

@@ -45,8 +45,7 @@ void write_bytes(const std::filesystem::path& file, const std::vector<unsigned c
 void write_tables(const PageStudy& study, const std::filesystem::path& folder) {
   for (const StudyTable& table : study.report.tables) {
     const std::string stem = study.results.study + "." + table.name;
-    write_text_file(folder / (stem + ".txt"), table.title + "\n\n" + table_markdown(table) +
-                                                  (table.remark.empty() ? "" : "\n" + table.remark + "\n"));
+    write_text_file(folder / (stem + ".txt"), table_text(table));
     write_text_file(folder / (stem + ".csv"), table_csv(table));
   }
 }

@@ -6,6 +6,7 @@ namespace fathom {
 
 namespace {
 
+constexpr std::size_t kLineWidth = 120;
 constexpr std::size_t kNarrowest = 3;  // the line below the head has three dashes at least
 
 std::string escaped(const std::string& cell) {
@@ -69,6 +70,22 @@ std::string csv_line(const std::vector<std::string>& cells, std::size_t count) {
   return line + "\r\n";
 }
 
+// Lines of at most kLineWidth characters, where words allow it.
+std::string wrapped(const std::string& text) {
+  std::string lines;
+  std::size_t width = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
+    const std::string word = text.substr(at, end - at);
+    at = end + 1;
+    if (word.empty()) continue;
+    const bool fits = width + 1 + columns_of(word) <= kLineWidth;
+    lines += (width == 0 ? "" : fits ? " " : "\n") + word;
+    width = (fits && width > 0 ? width + 1 : 0) + columns_of(word);
+  }
+  return lines + "\n";
+}
+
 }  // namespace
 
 std::string table_markdown(const StudyTable& table) {
@@ -88,11 +105,14 @@ std::string table_csv(const StudyTable& table) {
   return text;
 }
 
+std::string table_text(const StudyTable& table) {
+  return table.title + "\n\n" + table_markdown(table) + (table.remark.empty() ? "" : "\n" + wrapped(table.remark));
+}
+
 std::string report_markdown(const std::string& title, const StudyReport& report, const std::string& heading) {
   std::string text = heading + " " + title + "\n";
   for (const StudyTable& table : report.tables) {
-    text += "\n" + table.title + "\n\n" + table_markdown(table);
-    if (!table.remark.empty()) text += "\n" + table.remark + "\n";
+    text += "\n" + heading + "# " + table_text(table);
   }
   if (report.goals.empty()) return text;
   StudyTable goals;
@@ -100,7 +120,7 @@ std::string report_markdown(const std::string& title, const StudyReport& report,
   for (const StudyGoal& goal : report.goals) {
     goals.rows.push_back({goal.what, goal.wanted, goal.measured, goal.met ? "met" : "NOT MET"});
   }
-  return text + "\n" + table_markdown(goals);
+  return text + "\n" + heading + "# Goals\n\n" + table_markdown(goals);
 }
 
 }  // namespace fathom

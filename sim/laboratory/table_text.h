@@ -13,6 +13,9 @@ std::string table_markdown(const StudyTable& table);
 /// RFC 4180: lines end in CR LF, cells are quoted where they must be.
 std::string table_csv(const StudyTable& table);
 
+/// Title, table and remark.
+std::string table_text(const StudyTable& table);
+
 /// Title, all tables with their remarks, and the goals of a study in Markdown; `heading` is that of its level, "##".
 std::string report_markdown(const std::string& title, const StudyReport& report, const std::string& heading);
 

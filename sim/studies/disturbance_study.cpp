@@ -218,8 +218,7 @@ class DisturbanceStudy final : public Study {
     const Variant& disturbed = disturbance_.variants[variant];
     StudyPlot plot;
     plot.name = disturbed.name;
-    plot.title = std::string(disturbance_.title) + ", " + disturbed.label +
-                 ": error of the volume, bars from quartile to quartile";
+    plot.title = std::string(disturbance_.title) + ", " + disturbed.label + ": error, quartile to quartile";
     plot.x_label = "scale";
     plot.y_label = "error (%)";
     for (const std::size_t m : {kPublishedMethod, kQuadric}) {
@@ -285,8 +284,7 @@ const Study& unsteady_study() {
        "ends. "
        "Where they are disturbed too, half of them miss the object, and what lies between its end and the next plane "
        "is lost: 3.4 % of an ellipsoid in nine gaps.",
-       {{"ends-steady", "first and last plane at the extremities", true},
-        {"all-disturbed", "all planes disturbed", false}}});
+       {{"ends-steady", "ends at the extremities", true}, {"all-disturbed", "all planes disturbed", false}}});
   return study;
 }
 

@@ -18,8 +18,15 @@ std::uint64_t case_seed(const StudyOptions& options, int index) {
 }
 
 const std::vector<const Study*>& all_studies() {
-  static const std::vector<const Study*> studies = {&volume_study(), &unsteady_study(), &misregistration_study(),
-                                                    &sweeps_table(), &interval_study(), &truth_study()};
+  // One a line, so that studies are added without touching others.
+  static const std::vector<const Study*> studies = {
+      &volume_study(),           //
+      &unsteady_study(),         //
+      &misregistration_study(),  //
+      &sweeps_table(),           //
+      &interval_study(),         //
+      &truth_study(),            //
+  };
   return studies;
 }
 

@@ -41,7 +41,7 @@ struct StudyPlot {
   std::string x_label;
   std::string y_label;
   std::vector<StudySeries> series;
-  std::optional<std::pair<double, double>> y_range;  ///< empty: all points are shown
+  std::optional<std::pair<double, double>> y_range = std::nullopt;  ///< empty: all points are shown
 };
 
 /// A picture: an object, a sweep, an image with its outlines. CV_8UC1 or CV_8UC3 (blue, green, red).
