@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "sim/studies/disturbance_study.h"
+#include "sim/studies/interval_study.h"
 #include "sim/studies/sweeps_table.h"
 #include "sim/studies/truth_study.h"
 #include "sim/studies/volume_study.h"
@@ -23,6 +24,7 @@ const std::vector<const Study*>& all_studies() {
       &unsteady_study(),         //
       &misregistration_study(),  //
       &sweeps_table(),           //
+      &interval_study(),         //
       &truth_study(),            //
   };
   return studies;

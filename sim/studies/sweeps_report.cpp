@@ -108,11 +108,11 @@ StudyTable worse_table(const std::vector<SweepsCell>& cells) {
 }
 
 StudyPlot error_plot(const SweepsCell& cell) {
-  StudyPlot plot{"error-" + cell.object + "-" + cell.pattern,
-                 cell.object + " " + cell.pattern,
-                 "sections",
-                 "error of volume (%)",
-                 {}};
+  StudyPlot plot;
+  plot.name = "error-" + cell.object + "-" + cell.pattern;
+  plot.title = cell.object + " " + cell.pattern;
+  plot.x_label = "sections";
+  plot.y_label = "error of volume (%)";
   const std::pair<const char*, double SweepsMeasurement::*> lines[] = {
       {"linear", &SweepsMeasurement::linear_percent},
       {"2D cubic", &SweepsMeasurement::cubic_percent},
