@@ -61,14 +61,18 @@ void write_pictures(PageStudy& study, const std::filesystem::path& folder) {
   }
 }
 
-/// Returns why there are none.
-std::string write_plots(PageStudy& study, const std::filesystem::path& folder) {
+/// Returns why there are none; then those of an earlier run are `outdated`.
+std::string write_plots(PageStudy& study, const std::filesystem::path& folder,
+                        std::vector<std::filesystem::path>& outdated) {
   std::vector<PlotFile> files;
   for (const StudyPlot& plot : study.report.plots) {
     files.push_back({&plot, folder / (study.results.study + "." + plot.name + ".svg")});
   }
   std::string fault = draw_plots(files);
-  if (!fault.empty()) return fault;
+  if (!fault.empty()) {
+    for (const PlotFile& file : files) outdated.push_back(file.file.filename());
+    return fault;
+  }
   for (const PlotFile& file : files) study.plots.push_back({file.plot->title, "image/svg+xml", bytes_of(file.file)});
   return "";
 }
@@ -78,14 +82,14 @@ void add_once(std::vector<std::string>& notes, const std::string& note) {
 }
 
 PageStudy written_study(const StudyResults& results, const std::filesystem::path& folder,
-                        std::vector<std::string>& notes) {
+                        std::vector<std::string>& notes, std::vector<std::filesystem::path>& outdated) {
   PageStudy study;
   study.results = results;
   study.title = study_of(results.study).title();
   study.report = study_report(results);
   write_tables(study, folder);
   write_pictures(study, folder);
-  add_once(notes, write_plots(study, folder));
+  add_once(notes, write_plots(study, folder, outdated));
   return study;
 }
 
@@ -130,16 +134,20 @@ std::vector<std::string> LaboratoryFolder::write(const std::vector<StudyResults>
   std::vector<std::string> notes;
   std::vector<std::string> page_notes;
   std::vector<PageStudy> studies;
+  std::vector<std::filesystem::path> outdated;
+  bool page = false;
   for (const StudyResults& one : results) {
     require_current(one, parts_->version);
     write_text_file(staging / results_file_name(one), results_text(one));
+    page = page || one.complete();
   }
   for (const Study* study : all_studies()) {
+    if (!page) break;  // a part changes nothing of it
     const auto found = std::find_if(results.begin(), results.end(), [&](const StudyResults& one) {
       return one.complete() && one.study == study->name();
     });
     if (found != results.end()) {
-      studies.push_back(written_study(*found, staging, page_notes));
+      studies.push_back(written_study(*found, staging, page_notes, outdated));
       continue;
     }
     // Made by an earlier run.
@@ -149,7 +157,7 @@ std::vector<std::string> LaboratoryFolder::write(const std::vector<StudyResults>
       const StudyResults earlier = read_results(file);
       require_current(earlier, parts_->version);
       if (!earlier.complete()) throw Error(file.string() + ": is only a part of the study; merge it with the others");
-      studies.push_back(written_study(earlier, staging, page_notes));
+      studies.push_back(written_study(earlier, staging, page_notes, outdated));
     } catch (const Error& error) {
       add_once(notes, "not on the page: " + std::string(error.what()));
     }
@@ -160,6 +168,8 @@ std::vector<std::string> LaboratoryFolder::write(const std::vector<StudyResults>
     write_text_file(staging / kPage, laboratory_page(studies, page_notes));
   }
   parts_->staged.commit(kPage);
+  std::error_code ignored;
+  for (const auto& name : outdated) std::filesystem::remove(parts_->folder / name, ignored);
   return page_notes;
 }
 

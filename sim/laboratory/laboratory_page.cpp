@@ -34,7 +34,7 @@ figcaption { font-size: 13px; }
   h2 { break-before: page; }
   nav { display: none; }
 }
-</style></head><body>
+</style>
 )";
 
 std::string made_of(const StudyResults& results) {
@@ -65,12 +65,36 @@ std::string goals_html(const StudyReport& report) {
   return html + "</tbody></table></div>\n";
 }
 
+// Of columns to be set to the right: " n3 n4".
+std::string column_classes(const StudyTable& table) {
+  std::string classes;
+  const std::vector<bool> numbers = number_columns(table);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i]) classes += " n" + std::to_string(i + 1);
+  }
+  return classes;
+}
+
+std::string column_rules(const std::vector<PageStudy>& studies) {
+  std::size_t most = 0;
+  for (const PageStudy& study : studies) {
+    for (const StudyTable& table : study.report.tables) most = std::max(most, table.columns.size());
+  }
+  std::string rules = "<style>\n";
+  for (std::size_t i = 1; i <= most; ++i) {
+    const std::string number = std::to_string(i);
+    rules += ".n" + number + " td:nth-child(" + number + ") { text-align: right; white-space: nowrap; }\n";
+  }
+  return rules + "</style>\n";
+}
+
 std::string tables_html(const StudyReport& report) {
   std::string html;
   for (const StudyTable& table : report.tables) {
     std::vector<std::vector<std::string>> rows = {table.columns};
     rows.insert(rows.end(), table.rows.begin(), table.rows.end());
-    html += "<h3>" + html_text(table.title) + "</h3>\n<div class=\"wide\">" + html_table(rows) + "</div>\n";
+    html += "<h3>" + html_text(table.title) + "</h3>\n<div class=\"wide" + column_classes(table) + "\">" +
+            html_table(rows) + "</div>\n";
     if (!table.remark.empty()) html += "<p>" + html_text(table.remark) + "</p>\n";
   }
   return html;
@@ -104,9 +128,10 @@ std::string overview_html(const std::vector<PageStudy>& studies) {
 }  // namespace
 
 std::string laboratory_page(const std::vector<PageStudy>& studies, const std::vector<std::string>& notes) {
-  std::string html = kHead;
+  std::string html = kHead + column_rules(studies);
   html +=
-      "<h1>Accuracy laboratory</h1>\n<p>Simulated scans of objects whose true volume, place or delay is known. Every "
+      "</head><body>\n<h1>Accuracy laboratory</h1>\n<p>Simulated scans of objects whose true volume, place or delay is "
+      "known. Every "
       "number here comes again, to the byte, with the command below its study's name.</p>\n";
   for (const std::string& note : notes) html += "<p class=\"note\">" + html_text(note) + "</p>\n";
   html += overview_html(studies);

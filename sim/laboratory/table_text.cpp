@@ -99,6 +99,12 @@ std::string table_markdown(const StudyTable& table) {
   return text;
 }
 
+std::vector<bool> number_columns(const StudyTable& table) {
+  std::vector<bool> numbers;
+  for (const Column& column : columns_of_table(table)) numbers.push_back(column.numbers);
+  return numbers;
+}
+
 std::string table_csv(const StudyTable& table) {
   std::string text = csv_line(table.columns, table.columns.size());
   for (const auto& row : table.rows) text += csv_line(row, table.columns.size());

@@ -10,6 +10,9 @@ namespace fathom {
 /// it is escaped.
 std::string table_markdown(const StudyTable& table);
 
+/// Which columns hold numbers only, or what stands for them.
+std::vector<bool> number_columns(const StudyTable& table);
+
 /// RFC 4180: lines end in CR LF, cells are quoted where they must be.
 std::string table_csv(const StudyTable& table);
 

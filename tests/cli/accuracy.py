@@ -132,6 +132,8 @@ def other_studies_of_the_folder(program, folder, tally):
 
 
 def without_gnuplot(program, folder, tally):
+    (folder / "plain").mkdir()
+    (folder / "plain" / "2.13.ends-steady.svg").write_text("of an earlier run")
     path = os.environ["PATH"]
     os.environ["PATH"] = str(folder)
     try:
@@ -144,12 +146,31 @@ def without_gnuplot(program, folder, tally):
     tally.check("and nothing of plots is left", [name for name in names if name.endswith((".svg", ".gp", ".log"))])
 
 
+def unfinished(program, folder, tally):
+    """A run that does not end well leaves no files, and earlier ones as they were."""
+    target = folder / "cut"
+    target.mkdir()
+    (target / "2.1.json").write_text("old")
+    before = tree(target)
+    outcome = program.run("accuracy", "--table", "2.1", "--out", target,
+                          interrupt_after=lambda: any(path.name.startswith(".cut.") for path in folder.iterdir()))
+    tally.check("Ctrl-C", complaint_about_error(outcome) or (tree(target) != before and f"{sorted(tree(target))}"))
+    tally.check("Ctrl-C leaves no hidden folder", [path.name for path in folder.iterdir() if path.name.startswith(".")])
+    outcome = program.run("accuracy", *STUDY, "--out", target, max_file_bytes=1000)
+    tally.check("files limited to 1 kB",
+                complaint_about_error(outcome) or (tree(target) != before and f"{sorted(tree(target))}"))
+    outcome = program.run("accuracy", *STUDY, "--out", target / "2.1.json")
+    tally.check("a file in the folder's place",
+                complaint_about_error(outcome) or (tree(target) != before and f"{sorted(tree(target))}"))
+
+
 def body(program, folder, tally, _root):
     one_run(program, folder, tally)
     shards(program, folder, tally)
     refused(program, folder, tally)
     wrong_lines(program, folder, tally)
     as_json(program, folder, tally)
+    unfinished(program, folder, tally)
     without_gnuplot(program, folder, tally)
     other_studies_of_the_folder(program, folder, tally)
 
