@@ -1,6 +1,7 @@
 #include "sim/studies/study.h"
 
 #include "core/error.h"
+#include "sim/studies/calibration_study.h"
 #include "sim/studies/disturbance_study.h"
 #include "sim/studies/interval_study.h"
 #include "sim/studies/sweeps_table.h"
@@ -24,6 +25,7 @@ const std::vector<const Study*>& all_studies() {
       &unsteady_study(),         //
       &misregistration_study(),  //
       &sweeps_table(),           //
+      &calibration_study(),      //
       &interval_study(),         //
       &truth_study(),            //
   };
