@@ -1,8 +1,12 @@
 #include "sim/laboratory/gnuplot.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -55,13 +59,32 @@ std::string data_of(const StudySeries& series) {
   return text;
 }
 
+// What is asked for; where all values are one but for rounding, what does not make mountains of it.
+std::optional<std::pair<double, double>> y_range_of(const StudyPlot& plot) {
+  if (plot.y_range) return plot.y_range;
+  constexpr double kRounding = 1e-6;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const StudySeries& series : plot.series) {
+    for (const double y : series.low) low = std::min(low, y);
+    for (const double y : series.high) high = std::max(high, y);
+    for (const auto& [x, y] : series.points) {
+      if (!std::isfinite(y)) continue;
+      low = std::min(low, y);
+      high = std::max(high, y);
+    }
+  }
+  if (low > high || high - low > kRounding * std::max(std::abs(low), std::abs(high))) return std::nullopt;
+  return std::pair(low - std::max(1.0, std::abs(low)), high + std::max(1.0, std::abs(high)));
+}
+
 std::string script_of(const PlotFile& file) {
   const StudyPlot& plot = *file.plot;
   std::string script = "reset\nset grid lc rgb '#d0d0d0'\nset key below\nset xzeroaxis lc rgb '#606060'\n";
   script += "set output " + quoted(file.file.string()) + "\nset title " + quoted(plot.title) + "\nset xlabel " +
-            quoted(plot.x_label) + "\nset ylabel " + quoted(plot.y_label) + "\n";
-  if (plot.y_range) {
-    script += "set yrange [" + format_real(plot.y_range->first) + ":" + format_real(plot.y_range->second) + "]\n";
+            quoted(plot.x_label) + " offset 0,0.4\nset ylabel " + quoted(plot.y_label) + "\n";
+  if (const auto range = y_range_of(plot)) {
+    script += "set yrange [" + format_real(range->first) + ":" + format_real(range->second) + "]\n";
   }
   std::string commands;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
