@@ -5,6 +5,7 @@
 #include "sim/studies/disturbance_study.h"
 #include "sim/studies/interval_study.h"
 #include "sim/studies/latency_study.h"
+#include "sim/studies/mesher_study.h"
 #include "sim/studies/sweeps_table.h"
 #include "sim/studies/truth_study.h"
 #include "sim/studies/volume_study.h"
@@ -25,6 +26,7 @@ const std::vector<const Study*>& all_studies() {
       &volume_study(),           //
       &unsteady_study(),         //
       &misregistration_study(),  //
+      &mesher_study(),           //
       &sweeps_table(),           //
       &calibration_study(),      //
       &latency_study(),          //
