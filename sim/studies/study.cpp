@@ -4,6 +4,7 @@
 #include "sim/studies/calibration_study.h"
 #include "sim/studies/disturbance_study.h"
 #include "sim/studies/interval_study.h"
+#include "sim/studies/latency_study.h"
 #include "sim/studies/sweeps_table.h"
 #include "sim/studies/truth_study.h"
 #include "sim/studies/volume_study.h"
@@ -26,6 +27,7 @@ const std::vector<const Study*>& all_studies() {
       &misregistration_study(),  //
       &sweeps_table(),           //
       &calibration_study(),      //
+      &latency_study(),          //
       &interval_study(),         //
       &truth_study(),            //
   };
