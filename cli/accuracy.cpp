@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "cli/build_id.h"
 #include "cli/command.h"
 #include "cli/options.h"
 #include "cli/output.h"
@@ -54,6 +55,7 @@ void print_as_json(const std::vector<StudyResults>& results) {
   for (const StudyResults& one : results) {
     nlohmann::ordered_json item = {{"study", one.study},
                                    {"version", one.version},
+                                   {"build", one.build},
                                    {"samples", one.options.samples},
                                    {"seed", one.options.seed},
                                    {"cases", one.cases},
@@ -95,6 +97,7 @@ void show(const AccuracyCommand& command, const std::vector<StudyResults>& resul
 void run(AccuracyCommand& command) {
   if (!command.shard.empty()) command.run.shard = parse_shard(command.shard);
   command.run.version = FATHOM_VERSION;
+  command.run.build = build_id();
   command.run.check();
   const std::vector<const Study*> studies = chosen(command);
   std::unique_ptr<LaboratoryFolder> folder;

@@ -42,6 +42,11 @@ std::string made_of(const StudyResults& results) {
          std::to_string(results.options.samples) + ", seed " + std::to_string(results.options.seed);
 }
 
+// Twelve digits are enough to tell builds apart by eye.
+std::string build_of(const StudyResults& results) {
+  return results.build.empty() ? "" : ", build " + results.build.substr(0, 12);
+}
+
 std::string command_of(const StudyResults& results) {
   return "fathom accuracy --table " + results.study + " --samples " + std::to_string(results.options.samples) +
          " --seed " + std::to_string(results.options.seed) + " --out FOLDER";
@@ -120,7 +125,7 @@ std::string overview_html(const std::vector<PageStudy>& studies) {
     html += "<tr><td><a href=\"#study-" + html_text(name) + "\">" + html_text(name) + "</a></td><td>" +
             html_text(study.title) + "</td><td class=\"" + (met == all ? "met" : "missed") + "\">" +
             (all == 0 ? "" : std::to_string(met) + " of " + std::to_string(all)) + "</td><td>" +
-            html_text(made_of(study.results)) + "</td></tr>\n";
+            html_text(made_of(study.results) + build_of(study.results)) + "</td></tr>\n";
   }
   return html + "</tbody></table>\n";
 }
@@ -138,7 +143,7 @@ std::string laboratory_page(const std::vector<PageStudy>& studies, const std::ve
   for (const PageStudy& study : studies) {
     const std::string& name = study.results.study;
     html += "<section id=\"study-" + html_text(name) + "\">\n<h2>" + html_text(name + ": " + study.title) +
-            "</h2>\n<p>" + html_text(made_of(study.results)) + "</p>\n<p><code>" +
+            "</h2>\n<p>" + html_text(made_of(study.results) + build_of(study.results)) + "</p>\n<p><code>" +
             html_text(command_of(study.results)) + "</code></p>\n" + goals_html(study.report) +
             tables_html(study.report) + images_html("Plots", study.plots) + images_html("Pictures", study.pictures) +
             "</section>\n";

@@ -66,6 +66,7 @@ void require_same(const StudyResults& first, const StudyResults& other) {
   };
   if (first.study != other.study) refuse("study", first.study, other.study);
   if (first.version != other.version) refuse("version", first.version, other.version);
+  if (first.build != other.build) refuse("build", first.build, other.build);
   if (first.options.samples != other.options.samples) {
     refuse("samples", std::to_string(first.options.samples), std::to_string(other.options.samples));
   }
@@ -118,6 +119,7 @@ std::string results_text(const StudyResults& results) {
   nlohmann::ordered_json json;
   json[kMarker] = kFormat;
   json["version"] = results.version;
+  json["build"] = results.build;
   json["study"] = results.study;
   json["samples"] = results.options.samples;
   json["seed"] = results.options.seed;
@@ -141,6 +143,7 @@ StudyResults read_results(const std::filesystem::path& file) {
   StudyResults results;
   results.source = file.string();
   results.version = printable(root.at("version").string());
+  results.build = printable(root.at("build").string());
   const Study& study = study_of_file(root.at("study"));
   results.study = study.name();
   results.options.samples = root.at("samples").integer(1, kMostSamples);

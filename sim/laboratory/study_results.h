@@ -31,6 +31,7 @@ Shard parse_shard(const std::string& text);
 /// The results of some or all of a study's cases.
 struct StudyResults {
   std::string version;  ///< of the program
+  std::string build;    ///< which build of that version; parts of two builds are not merged
   std::string study;
   StudyOptions options;
   int cases = 0;  ///< of the whole study
@@ -52,7 +53,7 @@ std::string results_text(const StudyResults& results);
 StudyResults read_results(const std::filesystem::path& file);
 
 /// All parts of one study, at least one, as one run would have given them. Throws Error, naming the files, when they
-/// are of different studies, versions or options, when a case is in two of them, or when cases are missing.
+/// are of different studies, versions, builds or options, when a case is in two of them, or when cases are missing.
 StudyResults merged(const std::vector<StudyResults>& parts);
 
 /// The values in the order of the cases, for Study::rows and Study::report. `results` are complete.

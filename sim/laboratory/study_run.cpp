@@ -139,6 +139,7 @@ StudyResults run_study(const Study& study, const StudyRun& run, const Progress& 
   }
   StudyResults results;
   results.version = run.version;
+  results.build = run.build;
   results.study = study.name();
   results.options = run.options;
   results.cases = study.cases(run.options);

@@ -12,6 +12,7 @@ struct StudyRun {
   static constexpr int kMostThreads = 1024;
 
   std::string version;  ///< of the program, kept with the results
+  std::string build;    ///< which build of that version, kept too
   StudyOptions options;
   Shard shard;      ///< runs only this part
   int threads = 1;  ///< cases at a time; the results do not depend on it

@@ -79,6 +79,7 @@ def refused(program, folder, tally):
         "a part twice": ([*parts, parts[2]], "too"),
         "a part and the whole": ([*parts, folder / "one" / "2.13.json"], "too"),
         "another version": (with_change("version.json", lambda d: d.update(version="0.0.1")), "0.0.1"),
+        "another build": (with_change("build.json", lambda d: d.update(build="0123")), "build 0123"),
         "another seed": (with_change("seed.json", lambda d: d.update(seed=2)), "seed 2"),
         "another study": (with_change("study.json", lambda d: d.update(study="2.14")), "2.14"),
         "an unknown study": (with_change("unknown.json", lambda d: d.update(study="9.9")), "9.9"),

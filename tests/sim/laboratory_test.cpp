@@ -41,7 +41,7 @@ class NumbersStudy final : public Study {
   int fails_from = 1000;
 };
 
-StudyRun run_of(int threads, Shard shard = {}) { return {kVersion, {10, 7}, shard, threads}; }
+StudyRun run_of(int threads, Shard shard = {}) { return {kVersion, "b1", {10, 7}, shard, threads}; }
 
 std::string message_of(const std::function<void()>& work) {
   try {
@@ -99,8 +99,9 @@ TEST(StudyRun, StopsWhenAsked) {
 
 TEST(StudyRun, RefusesWhatIsOutOfRange) {
   const NumbersStudy study;
-  for (const StudyRun& run : {run_of(0), run_of(1, {3, 3}), run_of(1, {-1, 3}), run_of(1, {0, 0}),
-                              StudyRun{kVersion, {0, 1}, {}, 1}, StudyRun{kVersion, {kMostSamples + 1, 1}, {}, 1}}) {
+  for (const StudyRun& run :
+       {run_of(0), run_of(1, {3, 3}), run_of(1, {-1, 3}), run_of(1, {0, 0}), StudyRun{kVersion, "", {0, 1}, {}, 1},
+        StudyRun{kVersion, "", {kMostSamples + 1, 1}, {}, 1}}) {
     EXPECT_THROW(run_study(study, run), Error);
   }
 }
@@ -119,6 +120,7 @@ TEST(Shard, IsTwoWholeNumbersTheFirstBelowTheSecond) {
 StudyResults part_of_truth(int index, int count, int cases = 6) {
   StudyResults part;
   part.version = kVersion;
+  part.build = "b1";
   part.study = "truth";
   part.cases = cases;
   part.shard = {index, count};
@@ -142,6 +144,9 @@ TEST(MergedResults, RefusesPartsThatDoNotGoTogether) {
   StudyResults other = second;
   other.version = "1.2.4";
   refused({first, other, third}, "version 1.2.4, but truth.shard-0-of-3.json is of version 1.2.3");
+  other = second;
+  other.build = "b2";
+  refused({first, other, third}, "build b2, but");
   other = second;
   other.options.seed = 2;
   refused({first, other, third}, "seed 2");
@@ -182,6 +187,7 @@ TEST(ResultsFile, IsReadAsHostileInput) {
       {"\"fathom_accuracy\": 1", "\"fathom_accuracy\": 2"},
       {"fathom_accuracy", "fathom_contours"},
       {"\"1.2.3\"", "123"},
+      {"\"b1\"", "null"},
       {"\"truth\"", "\"banana\""},
       {"\"truth\"", "[]"},
       {"\"samples\": 20", "\"samples\": 0"},
@@ -246,7 +252,7 @@ TEST(LaboratoryFolder, HoldsTablesAndAPageThatNeedsNoOtherFile) {
   EXPECT_NE(page.find("not met"), std::string::npos);
   EXPECT_EQ(page.find("<b>"), std::string::npos);
   EXPECT_EQ(page.find("src=\"h"), std::string::npos);
-  EXPECT_NE(page.find("Fathom 1.2.3"), std::string::npos);
+  EXPECT_NE(page.find("Fathom 1.2.3, 14 cases, samples 20, seed 1, build b1"), std::string::npos);
 }
 
 TEST(StudySeeds, AreUnlikeEachOther) {
