@@ -26,7 +26,7 @@ std::size_t columns_of(const std::string& text) {
 
 // A column of numbers holds digits, signs, brackets and the dash that stands for none, but no words.
 bool is_number(const std::string& cell) {
-  return cell.find_first_not_of("0123456789+-.,()[]% <>eE:") == std::string::npos;
+  return cell.find_first_not_of("0123456789+-.,;()[]% <>eE:") == std::string::npos;
 }
 
 struct Column {
