@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "sim/studies/bladder_study.h"
 #include "sim/studies/calibration_study.h"
+#include "sim/studies/chain_study.h"
 #include "sim/studies/disturbance_study.h"
 #include "sim/studies/interval_study.h"
 #include "sim/studies/latency_study.h"
@@ -33,6 +34,7 @@ const std::vector<const Study*>& all_studies() {
       &calibration_study(),      //
       &latency_study(),          //
       &interval_study(),         //
+      &chain_study(),            //
       &truth_study(),            //
   };
   return studies;
