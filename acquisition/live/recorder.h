@@ -86,6 +86,7 @@ class Recorder : public SessionListener {
 
   void on_frame(const SharedFrame& frame) override;
   void on_sample(const TrackerSample& sample) override;
+  void on_event(const SessionEvent& event) override;
 
  private:
   class Writer;

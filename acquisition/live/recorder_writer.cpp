@@ -79,6 +79,10 @@ void Recorder::Writer::on_frame(const SharedFrame& frame) {
 
 void Recorder::Writer::on_sample(const TrackerSample& sample) { push(sample); }
 
+void Recorder::Writer::on_event(const SessionEvent& event) {
+  if (event.geometry) push(GeometryLine{event.geometry->message, event.geometry->since_s});
+}
+
 void Recorder::Writer::push(Item item) {
   {
     const std::lock_guard lock(mutex_);
@@ -158,6 +162,11 @@ void Recorder::Writer::write(const InvalidMark& /*mark*/) {
   const std::lock_guard lock(mutex_);
   status_.invalid_frames += frames - sweep_invalid_;
   sweep_invalid_ = frames;
+}
+
+void Recorder::Writer::write(const GeometryLine& geometry) {
+  files_.write(geometry);
+  is_dirty_ = true;
 }
 
 void Recorder::Writer::sync_if_due() {
