@@ -83,6 +83,7 @@ void show(const SessionStatistics& session, const RecorderStatus& status) {
   std::cerr << "\r\033[K" << doing(status) << ": " << status.frames << " frames, " << status.invalid_frames
             << " not valid, " << number_text(session.images.rate_hz, 1) << "/s, tracker "
             << number_text(session.tracker.rate_hz, 1) << "/s" << (session.tracked ? "" : " LOST");
+  if (status.dropped_frames > 0) std::cerr << ", " << status.dropped_frames << " DROPPED";
   if (status.minutes_left) std::cerr << ", disk for " << number_text(status.minutes_left, 0) << " min";
   std::cerr << std::flush;
 }
