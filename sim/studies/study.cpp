@@ -1,6 +1,7 @@
 #include "sim/studies/study.h"
 
 #include "core/error.h"
+#include "sim/studies/bladder_study.h"
 #include "sim/studies/calibration_study.h"
 #include "sim/studies/chain_study.h"
 #include "sim/studies/disturbance_study.h"
@@ -29,6 +30,7 @@ const std::vector<const Study*>& all_studies() {
       &misregistration_study(),  //
       &mesher_study(),           //
       &sweeps_table(),           //
+      &bladder_study(),          //
       &calibration_study(),      //
       &latency_study(),          //
       &interval_study(),         //
