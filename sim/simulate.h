@@ -14,6 +14,8 @@
 
 namespace fathom {
 
+struct Phantom;
+
 /// A scan of an object of known volume with a simulated probe and tracker.
 struct SimulateOptions : TrackerOptions {
   /// 13 minutes at 25 frames a second; the true outlines of all are held in memory, 5 kB a frame.
@@ -56,6 +58,9 @@ struct SimulatedScan {
 
 /// Throws Error as SimulateOptions::check; Cancelled.
 SimulatedScan simulate(const SimulateOptions& options, const Progress& progress = {});
+
+/// The same of a phantom of one's own, whatever `options.object` says. Patterns look for the phantom's name.
+SimulatedScan simulate_phantom(const Phantom& phantom, const SimulateOptions& options, const Progress& progress = {});
 
 /// The text of the truth file (docs/file-formats.md).
 std::string truth_json(const SimulatedScan& scan, const SimulateOptions& options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <opencv2/imgproc.hpp>
 
@@ -42,6 +43,15 @@ Line in_space(const Polygon& points_px, const Eigen::Affine3d& reference_from_im
     line.push_back(reference_from_image * Eigen::Vector3d(point.x(), point.y(), 0.0));
   }
   return line;
+}
+
+/// The frames that somebody outlined or marked.
+std::set<int> looked_at(const Structure& structure) {
+  std::set<int> frames;
+  for (const Contour& contour : structure.contours) frames.insert(contour.frame);
+  for (const Extremity& extremity : structure.extremities) frames.insert(extremity.frame);
+  for (const AbsentMark& absent : structure.absent) frames.insert(absent.frame);
+  return frames;
 }
 
 /// Looks along the sweep, from the side and from above, whichever way the images lie, and shows all of the frames.
@@ -95,15 +105,17 @@ void lay_over(cv::Mat& picture, const ShadedPicture& surface) {
 
 }  // namespace
 
-cv::Mat scan_picture(const SimulateOptions& options) {
-  const SimulatedScan scan = simulate(options);
+cv::Mat scan_picture(const SimulateOptions& options) { return scan_picture(simulate(options)); }
+
+cv::Mat scan_picture(const SimulatedScan& scan) { return scan_picture(scan, scan.outlines.front()); }
+
+cv::Mat scan_picture(const SimulatedScan& scan, const Structure& structure) {
   const FrameLocator locator(*scan.recording, scan.calibration);
-  const Structure& structure = scan.outlines.front();
   const Eigen::AlignedBox2d box = extent_of(structure);
   const Polygon corners = {box.corner(Eigen::AlignedBox2d::BottomLeft), box.corner(Eigen::AlignedBox2d::BottomRight),
                            box.corner(Eigen::AlignedBox2d::TopRight), box.corner(Eigen::AlignedBox2d::TopLeft)};
   std::vector<Line> frames;
-  for (int frame = 0; frame < locator.frame_count(); ++frame) {
+  for (const int frame : looked_at(structure)) {
     frames.push_back(in_space(corners, *locator.reference_from_image(frame)));
   }
   std::vector<Line> outlines;

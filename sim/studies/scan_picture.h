@@ -10,5 +10,8 @@ namespace fathom {
 /// discs through them. 8-bit BGR on white. A scan of which no surface can be made shows rectangles and outlines only.
 /// Throws Error as simulate.
 cv::Mat scan_picture(const SimulateOptions& options);
+cv::Mat scan_picture(const SimulatedScan& scan);
+/// The frames of `outlines` only, where they are fewer than the scan's.
+cv::Mat scan_picture(const SimulatedScan& scan, const Structure& outlines);
 
 }  // namespace fathom

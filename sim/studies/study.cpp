@@ -1,7 +1,9 @@
 #include "sim/studies/study.h"
 
 #include "core/error.h"
+#include "sim/studies/bladder_study.h"
 #include "sim/studies/calibration_study.h"
+#include "sim/studies/chain_study.h"
 #include "sim/studies/disturbance_study.h"
 #include "sim/studies/interval_study.h"
 #include "sim/studies/latency_study.h"
@@ -28,9 +30,11 @@ const std::vector<const Study*>& all_studies() {
       &misregistration_study(),  //
       &mesher_study(),           //
       &sweeps_table(),           //
+      &bladder_study(),          //
       &calibration_study(),      //
       &latency_study(),          //
       &interval_study(),         //
+      &chain_study(),            //
       &truth_study(),            //
   };
   return studies;
