@@ -6,6 +6,7 @@ namespace fathom {
 
 /// Each adds one sub-command to the program; the command runs when the line was parsed. What it throws ends the
 /// program: Error with status 1.
+void add_accuracy(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_demo(CLI::App& app);

@@ -1,6 +1,7 @@
 #include "cli/live_verdict.h"
 
 #include <iostream>
+#include <numbers>
 
 #include "cli/options.h"
 #include "cli/output.h"
@@ -93,6 +94,29 @@ void print_verdict(const SweepVerdict& verdict) {
                {"passes the region's start", yes_or_no(verdict.passes_start)},
                {"passes the region's end", yes_or_no(verdict.passes_end)}});
   for (const std::string& warning : verdict.warnings) std::cout << "warning: " << warning << "\n";
+}
+
+nlohmann::ordered_json shape_json(const std::optional<ImageShape>& shape) {
+  if (!shape) return nullptr;
+  const cv::Rect& box = shape->box;
+  nlohmann::ordered_json json{{"box_px", {box.x, box.y, box.width, box.height}}, {"fan", nullptr}};
+  if (const auto& fan = shape->fan) {
+    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    json["fan"] = {fan->origin_px.x(),
+                   fan->origin_px.y(),
+                   fan->min_radius_px,
+                   fan->max_radius_px,
+                   kDegrees * fan->min_angle_rad,
+                   kDegrees * fan->max_angle_rad};
+  }
+  return json;
+}
+
+std::string shape_text(const std::optional<ImageShape>& shape) {
+  if (!shape) return "not found: too little moved in it";
+  const cv::Rect& box = shape->box;
+  return (shape->fan ? "a fan within " : "a rectangle of ") + std::to_string(box.width) + " x " +
+         std::to_string(box.height) + " pixels at " + std::to_string(box.x) + ", " + std::to_string(box.y);
 }
 
 }  // namespace fathom

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "registration/calibration.h"
+#include "registration/image_shape.h"
 #include "registration/pose_chain.h"
 #include "registration/sweep_verdict.h"
 
@@ -34,5 +35,9 @@ SweepVerdict verdict_on(const std::filesystem::path& folder, const VerdictInput&
 
 nlohmann::ordered_json verdict_json(const SweepVerdict& verdict);
 void print_verdict(const SweepVerdict& verdict);
+
+/// What was found of the images' shape: the box in pixels, and the fan as `--fan` of other commands takes it.
+nlohmann::ordered_json shape_json(const std::optional<ImageShape>& shape);
+std::string shape_text(const std::optional<ImageShape>& shape);
 
 }  // namespace fathom

@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   fathom::add_register(app);
   fathom::add_devices(app);
   fathom::add_serve(app);
+  fathom::add_accuracy(app);
   fathom::add_demo(app);
   fathom::add_view(app);
 

@@ -16,6 +16,8 @@
 #include "cli/output.h"
 #include "core/error.h"
 #include "core/printable.h"
+#include "registration/cropped_source.h"
+#include "registration/geometry_watch.h"
 #include "sim/live_simulation.h"
 
 namespace fathom {
@@ -33,6 +35,8 @@ struct RecordCommand {
   std::optional<double> seconds;
   std::optional<std::uint64_t> frames;
   bool gated = false;
+  std::string presets;
+  std::string preset;
   VerdictInput verdict;
   SessionOptions session;
   RecorderOptions recorder;
@@ -45,6 +49,8 @@ class Warnings : public SessionListener {
   void on_frame(const SharedFrame&) override {}
   void on_event(const SessionEvent& event) override {
     if (!event.warning) return;
+    // At once: who looks at the patient has to scan again.
+    if (event.geometry) std::cerr << "\nfathom: warning: " << printable(event.message, 300) << std::endl;
     const std::lock_guard lock(mutex_);
     if (warnings_.size() < kMostWarnings) warnings_.push_back(printable(event.message, 300));
   }
@@ -77,6 +83,7 @@ void show(const SessionStatistics& session, const RecorderStatus& status) {
   std::cerr << "\r\033[K" << doing(status) << ": " << status.frames << " frames, " << status.invalid_frames
             << " not valid, " << number_text(session.images.rate_hz, 1) << "/s, tracker "
             << number_text(session.tracker.rate_hz, 1) << "/s" << (session.tracked ? "" : " LOST");
+  if (status.dropped_frames > 0) std::cerr << ", " << status.dropped_frames << " DROPPED";
   if (status.minutes_left) std::cerr << ", disk for " << number_text(status.minutes_left, 0) << " min";
   std::cerr << std::flush;
 }
@@ -106,14 +113,57 @@ void watch(const RecordCommand& command, LiveSession& session, Recorder& recorde
   if (::isatty(STDERR_FILENO) != 0) std::cerr << "\r\033[K";
 }
 
+/// The preset that was named; empty where none was. Throws Error where there is none of this name.
+std::optional<ImagePreset> preset_of(const RecordCommand& command) {
+  if (command.presets.empty()) return std::nullopt;
+  const std::vector<ImagePreset> presets = read_image_presets(command.presets);
+  std::string names;
+  for (const ImagePreset& preset : presets) {
+    if (preset.name == command.preset) return preset;
+    names += (names.empty() ? "" : ", ") + printable(preset.name, 100);
+  }
+  throw Error(printable(command.presets, 300) + ": has no preset \"" + printable(command.preset, 100) +
+              "\"; choose one of: " + names);
+}
+
 struct Recorded {
   FinishedRecording finished;
   RecorderStatus status;
   SessionStatistics session;
+  std::optional<ImageShape> shape;
   std::vector<std::string> warnings;
 };
 
-Recorded record(const RecordCommand& command) {
+/// Ends the recording. Where nothing was recorded because the image source has failed, its own words say so.
+FinishedRecording finished(Recorder& recorder, const SessionStatistics& session) {
+  if (recorder.status().frames == 0 && session.images.state == SourceState::kFailed) {
+    recorder.discard_if_empty();
+    throw Error(session.images.message);
+  }
+  return recorder.finish();
+}
+
+/// What has gone by the end of the recording, and what to do.
+std::vector<std::string> what_has_gone(const RecordCommand& command, const Recorded& recorded) {
+  std::vector<std::string> gone;
+  const auto look = [&](const StreamStatistics& stream) {
+    const std::string name = printable(stream.source, 200);
+    if (stream.state == SourceState::kConnecting || stream.state == SourceState::kFailed) {
+      gone.push_back(name + ": was gone when the recording ended; check that it is on and connected, then record " +
+                     "again what is missing");
+    }
+  };
+  look(recorded.session.images);
+  if (recorded.session.tracker.source != recorded.session.images.source) look(recorded.session.tracker);
+  const bool too_few = command.frames && recorded.status.frames < *command.frames;
+  const bool too_short = command.seconds && recorded.status.duration_s < *command.seconds;
+  if (recorded.session.images.state == SourceState::kEnded && (too_few || too_short)) {
+    gone.push_back(printable(recorded.session.images.message, 250) + "; the recording ended with it");
+  }
+  return gone;
+}
+
+Recorded record(const RecordCommand& command, const std::optional<ImagePreset>& preset) {
   const SourceRegistry sources = all_sources();
   auto images = sources.make(command.images);
   auto tracker = command.tracker.empty() || command.tracker == command.images ? nullptr : sources.make(command.tracker);
@@ -123,7 +173,14 @@ Recorded record(const RecordCommand& command) {
   options.fields = {{"StartTime", now_utc()},
                     {"ImageSource", command.images},
                     {"TrackerSource", command.tracker.empty() ? command.images : command.tracker}};
-  LiveSession session(std::move(images), std::move(tracker), command.session);
+  if (preset) {
+    images = std::make_unique<CroppedSource>(std::move(images), *preset);
+    options.fields.emplace_back("ImagePreset", preset->name);
+  }
+  const auto geometry = std::make_shared<GeometryWatch>();
+  SessionOptions session_options = command.session;
+  session_options.watch_geometry = watching(geometry);
+  LiveSession session(std::move(images), std::move(tracker), session_options);
   Warnings warnings;
   Recorder recorder(command.out, options);
   session.add(warnings);
@@ -142,17 +199,22 @@ Recorded record(const RecordCommand& command) {
   Recorded recorded;
   recorded.warnings = warnings.take();
   recorded.session = session.statistics();
-  recorded.finished = recorder.finish();
+  recorded.shape = geometry->shape();
+  recorded.finished = finished(recorder, recorded.session);
   recorded.status = recorder.status();
   if (!recorded.status.message.empty()) recorded.warnings.push_back(recorded.status.message);
+  for (std::string& gone : what_has_gone(command, recorded)) recorded.warnings.push_back(std::move(gone));
   return recorded;
 }
 
 void run(const RecordCommand& command) {
-  const auto calibration = calibration_of(command.verdict);
-  Recorded recorded = record(command);
+  const auto preset = preset_of(command);
+  auto calibration = calibration_of(command.verdict);
+  if (calibration && preset) calibration = cropped(*calibration, *preset);
+  Recorded recorded = record(command, preset);
   const SweepVerdict verdict = verdict_on(command.out, command.verdict, calibration);
   const std::uint64_t dropped = recorded.status.dropped_frames + recorded.session.images.dropped;
+  const std::string& fault = recorded.session.geometry_fault;
   if (command.json) {
     print_json({{"frames", recorded.finished.frames},
                 {"dropped_frames", dropped},
@@ -160,6 +222,8 @@ void run(const RecordCommand& command) {
                 {"invalid_frames", recorded.finished.invalid_frames},
                 {"duration_s", recorded.finished.duration_s},
                 {"tracker_samples", recorded.status.samples},
+                {"geometry_fault", fault.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(fault)},
+                {"image_shape", shape_json(recorded.shape)},
                 {"verdict", verdict_json(verdict)},
                 {"warnings", recorded.warnings},
                 {"out", command.out}});
@@ -170,7 +234,8 @@ void run(const RecordCommand& command) {
   print_table({{"not valid", std::to_string(recorded.finished.invalid_frames)},
                {"dropped", std::to_string(dropped)},
                {"lost before they arrived", std::to_string(recorded.session.images.lost)},
-               {"tracker samples", std::to_string(recorded.status.samples)}});
+               {"tracker samples", std::to_string(recorded.status.samples)},
+               {"picture", shape_text(recorded.shape)}});
   print_verdict(verdict);
   for (const std::string& warning : recorded.warnings) std::cout << "warning: " << warning << "\n";
 }
@@ -191,6 +256,11 @@ void add_record(CLI::App& app) {
   command->add_option("--frames", options->frames, "End after so many frames")->check(CLI::Range(1, 1000000));
   command->add_flag("--gated", options->gated,
                     "Begin when the probe has been held still, end when it has moved and is still again");
+  CLI::Option* presets = command->add_option(
+      "--presets", options->presets, "A file of presets: picture size, depth, pixel size, and the part to keep");
+  CLI::Option* preset = command->add_option("--preset", options->preset, "Which of them the scanner is set to");
+  presets->needs(preset);
+  preset->needs(presets);
   add_verdict_input(*command, options->verdict);
   command
       ->add_option("--max-gap-s", options->session.max_gap_s,

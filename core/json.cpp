@@ -118,6 +118,11 @@ int JsonValue::integer(int low, int high) const {
   return static_cast<int>(value);
 }
 
+std::uint64_t JsonValue::whole_number() const {
+  if (!value_->is_number_unsigned()) fail("must be a whole number from 0 to 2^64 - 1");
+  return value_->get<std::uint64_t>();
+}
+
 void require_version(const JsonValue& root, const std::string& marker, int version) {
   if (!root.has(marker)) root.fail("has no \"" + marker + "\"; this is not a file of that kind");
   const double found = root.at(marker).number();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -33,6 +34,10 @@ class JsonValue {
   double number() const;
   /// A whole number in [low, high].
   int integer(int low, int high) const;
+  /// A whole number from 0 to 2^64 - 1, exactly.
+  std::uint64_t whole_number() const;
+  /// What stands here, as it was parsed.
+  const nlohmann::json& raw() const { return *value_; }
 
   /// Throws Error about this value. Without advice of its own ("...; do this") the user is told to mend the file.
   [[noreturn]] void fail(const std::string& what) const;

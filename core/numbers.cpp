@@ -54,4 +54,10 @@ std::string format_rounded(double value, int decimals) {
   return std::string(nothing && digits.starts_with('-') ? digits.substr(1) : digits);
 }
 
+std::string format_signed(double value, int decimals) {
+  if (!std::isfinite(value)) return "-";
+  const std::string text = format_rounded(value, decimals);
+  return text.starts_with('-') ? text : "+" + text;
+}
+
 }  // namespace fathom

@@ -22,4 +22,7 @@ std::string format_real(double value);
 /// A finite number for a reader's eyes, rounded: "-0.30" for (-0.3, 2); never "-0.00".
 std::string format_rounded(double value, int decimals);
 
+/// The same with its sign, for errors: "+0.30"; "-" where there is no finite number.
+std::string format_signed(double value, int decimals);
+
 }  // namespace fathom

@@ -11,6 +11,7 @@
 #include <opencv2/core/version.hpp>
 
 #include "core/error.h"
+#include "core/html.h"
 #include "exam/html.h"
 #include "exam/report_picture.h"
 #include "exam/results_export.h"

@@ -66,6 +66,7 @@ const std::optional<std::string>& GeometryWatch::add(const LiveFrame& frame) {
   if (frames_++ == 0) {
     size_ = image.size();
     type_ = image.type();
+    window_starts_s_.fill(frame.time_s);
   }
   const auto text = [](const cv::Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); };
   if (image.size() != size_) {
@@ -75,7 +76,12 @@ const std::optional<std::string>& GeometryWatch::add(const LiveFrame& frame) {
   } else {
     check_fields(frame);
   }
+  if (fault_) since_s_ = frame.time_s;
   if (fault_ || image.empty()) return fault_;
+  if (window_.frames() == 0) {
+    std::rotate(window_starts_s_.begin(), window_starts_s_.begin() + 1, window_starts_s_.end());
+    window_starts_s_.back() = frame.time_s;
+  }
   window_.add(image);
   if (frames_ < options_.first_frames) return fault_;
   if (frames_ == options_.first_frames) {
@@ -85,6 +91,9 @@ const std::optional<std::string>& GeometryWatch::add(const LiveFrame& frame) {
     windows_off_ = shape_ && differs() ? windows_off_ + 1 : 0;
     window_ = {};
     if (windows_off_ >= kWindowsOff) {
+      // The window before these may have ended with some such frames already.
+      static_assert(kWindowsOff + 1 == std::tuple_size_v<decltype(window_starts_s_)>);
+      since_s_ = window_starts_s_.front();
       fault_ = "the picture is no longer shown as before: the depth, zoom or probe seems to have been changed";
     }
   }
@@ -150,6 +159,13 @@ bool GeometryWatch::face_drawn_in(const cv::Mat& largest) const {
   const int left = now.start - usual.start, right = usual.end - now.end;
   return std::min(left, right) >= kFaceShift_px &&
          std::abs(left - right) <= std::max(kFaceShift_px, (left + right) / 8);
+}
+
+std::function<std::optional<GeometryFault>(const LiveFrame&)> watching(std::shared_ptr<GeometryWatch> watch) {
+  return [watch = std::move(watch)](const LiveFrame& frame) -> std::optional<GeometryFault> {
+    if (!watch->add(frame)) return std::nullopt;
+    return GeometryFault{*watch->fault(), watch->since_s()};
+  };
 }
 
 }  // namespace fathom

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
 
-#include "acquisition/live/live_source.h"
+#include "acquisition/live/live_session.h"
 #include "registration/image_shape.h"
 
 namespace fathom {
@@ -35,6 +38,10 @@ class GeometryWatch {
   /// Why the calibration is not to be used any more, for the user; empty while it may be.
   const std::optional<std::string>& fault() const { return fault_; }
 
+  /// Time stamp of the first frame that may have the other geometry, where there is a fault(): that of the frame that
+  /// states it, or the start of the last window that looked as before.
+  double since_s() const { return since_s_; }
+
   /// What was learnt of the picture; empty before that, and where it moved too little.
   const std::optional<ImageShape>& shape() const { return shape_; }
 
@@ -58,6 +65,11 @@ class GeometryWatch {
   cv::Mat background_;                     // the brightest of what was learnt, grey
   ImageShapeFinder window_;                // the frames of this window
   int windows_off_ = 0;
+  std::array<double, 3> window_starts_s_ = {};  // time stamps: of the window before the last, the last, and this one
+  double since_s_ = 0.0;
 };
+
+/// For SessionOptions::watch_geometry. The session's thread alone calls `watch` until the session has stopped.
+std::function<std::optional<GeometryFault>(const LiveFrame&)> watching(std::shared_ptr<GeometryWatch> watch);
 
 }  // namespace fathom

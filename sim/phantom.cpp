@@ -18,6 +18,9 @@ const Eigen::Vector2d kSmallPixel(0.12, 0.12);   // Treece 2000, section 2.3.2
 const Eigen::Vector2d kOrganPixel(0.36, 0.345);  // 119 x 145 mm; real scanners' pixels are not quite square either
 const Eigen::Vector2d kScenePixel(0.18, 0.18);   // 115 x 86 mm
 const cv::Size kSceneSize(640, 480);
+const Eigen::Vector3d kBladder_mm(36.0, 30.0, 24.0);
+constexpr double kBladderBendX = 0.27;  // how far its ends along x are bent up, of its half height
+constexpr double kBladderBendY = 0.1125;
 
 /// A cupped hand: an ellipsoid bent along both axes and more on one side, convex on the back, concave in the palm.
 std::unique_ptr<Solid> make_glove() {
@@ -118,16 +121,7 @@ Phantom kidney_scene() {
   return {"kidney", kidney, kOrganPixel, kImageSize, {{"kidney", kidney}}, {darker(kidney, 0.0), echoes}};
 }
 
-Phantom bladder_scene() {
-  const std::shared_ptr<const Solid> bladder = make_group(
-      centred({{make_bent_ellipsoid({36.0, 30.0, 24.0}, {.x2 = 0.005, .y2 = 0.003}), Eigen::Vector3d::Zero()}}));
-  return {"bladder",
-          bladder,
-          kScenePixel,
-          kSceneSize,
-          {{"bladder", bladder}},
-          {darker(bladder, scene::kEnhancement_db_per_mm)}};
-}
+Phantom bladder_scene() { return make_bladder(kBladder_mm, kScenePixel.x()); }
 
 Phantom pelvis_scene() {
   const std::vector<PlacedSolid> organs = make_pelvis();
@@ -194,6 +188,20 @@ std::vector<std::string> object_names() {
   std::vector<std::string> names;
   for (const Entry& entry : entries()) names.emplace_back(entry.name);
   return names;
+}
+
+Phantom make_bladder(const Eigen::Vector3d& semi_axes_mm, double pixel_mm) {
+  const double height_mm = semi_axes_mm.z();
+  const Bend bend{.x2 = kBladderBendX * height_mm / (semi_axes_mm.x() * semi_axes_mm.x()),
+                  .y2 = kBladderBendY * height_mm / (semi_axes_mm.y() * semi_axes_mm.y())};
+  const std::shared_ptr<const Solid> bladder =
+      make_group(centred({{make_bent_ellipsoid(semi_axes_mm, bend), Eigen::Vector3d::Zero()}}));
+  return {"bladder",
+          bladder,
+          Eigen::Vector2d::Constant(pixel_mm),
+          kSceneSize,
+          {{"bladder", bladder}},
+          {darker(bladder, scene::kEnhancement_db_per_mm)}};
 }
 
 Phantom make_phantom(const std::string& name) {

@@ -37,4 +37,8 @@ Phantom make_phantom(const std::string& name);
 
 std::vector<std::string> object_names();
 
+/// The scene "bladder" with other semi-axes, bent by the same share of its height, scanned at another depth: square
+/// pixels of `pixel_mm`. Its volume is that of the ellipsoid.
+Phantom make_bladder(const Eigen::Vector3d& semi_axes_mm, double pixel_mm);
+
 }  // namespace fathom

@@ -58,8 +58,8 @@ Calibration simulated_calibration(const Eigen::Vector2d& pixel_mm, cv::Size imag
 
 ProbeMotion move_probe(const ScanPlan& plan, const Phantom& phantom, const Calibration& calibration,
                        const SimulateOptions& options) {
-  const std::vector<ScanPlane> jitter = uniform_planes(random_stream(options.seed, Stream::kJitter), options.frames,
-                                                       options.jitter_mm, options.jitter_deg);
+  std::vector<ScanPlane> jitter = uniform_planes(random_stream(options.seed, Stream::kJitter), options.frames,
+                                                 options.jitter_mm, options.jitter_deg);
   const std::vector<ScanPlane> misregistration =
       uniform_planes(random_stream(options.seed, Stream::kMisregistration), options.frames, options.misregister_mm,
                      options.misregister_deg);
@@ -68,6 +68,10 @@ ProbeMotion move_probe(const ScanPlan& plan, const Phantom& phantom, const Calib
   for (const int share : frames_of_sweeps(options.frames, plan.sweeps.size())) {
     const int first = motion.sweeps.empty() ? 0 : motion.sweeps.back().last + 1;
     motion.sweeps.push_back({0, first, first + share - 1});
+    if (!options.steady_ends) continue;
+    for (const int end : {motion.sweeps.back().first, motion.sweeps.back().last}) {
+      jitter[static_cast<std::size_t>(end)] = {};
+    }
   }
   const Eigen::Isometry3d tracker_from_phantom =
       simulated_tracker_from_reference() * simulated_reference_from_phantom();

@@ -132,13 +132,17 @@ void SimulateOptions::check() const {
 
 SimulatedScan simulate(const SimulateOptions& options, const Progress& progress) {
   options.check();
-  const Phantom phantom = make_phantom(options.object);
+  return simulate_phantom(make_phantom(options.object), options, progress);
+}
+
+SimulatedScan simulate_phantom(const Phantom& phantom, const SimulateOptions& options, const Progress& progress) {
+  options.check();
   const ScanPlan plan = make_scan_plan(phantom, options.pattern);
 
   SimulatedScan scan;
   scan.calibration = simulated_calibration(phantom.pixel_mm, plan.image_size, options.latency_s);
   ProbeMotion motion = move_probe(plan, phantom, scan.calibration, options);
-  const bool steady = options.jitter_mm == 0.0 && options.jitter_deg == 0.0;
+  const bool steady = options.steady_ends || (options.jitter_mm == 0.0 && options.jitter_deg == 0.0);
   bool seen = false;
   for (const PhantomPart& part : phantom.parts) {
     scan.outlines.push_back(true_outlines(part, plan, motion, steady, progress));
@@ -146,7 +150,7 @@ SimulatedScan simulate(const SimulateOptions& options, const Progress& progress)
     scan.truth.structures.push_back({part.name, part.solid->volume_mm3() / kMm3PerMl});
   }
   if (!seen) {
-    throw Error("simulate: none of the " + std::to_string(options.frames) + " frames shows the " + options.object +
+    throw Error("simulate: none of the " + std::to_string(options.frames) + " frames shows the " + phantom.name +
                 "; disturb the probe's way less");
   }
   scan.truth.volume_ml = phantom.solid->volume_mm3() / kMm3PerMl;
@@ -155,7 +159,7 @@ SimulatedScan simulate(const SimulateOptions& options, const Progress& progress)
   std::optional<SpeckleOptions> speckle = options.speckle;
   if (speckle) speckle->seed = options.seed;
   scan.recording =
-      std::make_unique<SimulatedRecording>("sim:" + options.object + "/" + options.pattern, std::move(header), phantom,
+      std::make_unique<SimulatedRecording>("sim:" + phantom.name + "/" + options.pattern, std::move(header), phantom,
                                            std::move(motion.phantom_from_image), std::move(speckle));
   return scan;
 }

@@ -14,6 +14,8 @@
 
 namespace fathom {
 
+struct Phantom;
+
 /// A scan of an object of known volume with a simulated probe and tracker.
 struct SimulateOptions : TrackerOptions {
   /// 13 minutes at 25 frames a second; the true outlines of all are held in memory, 5 kB a frame.
@@ -23,6 +25,7 @@ struct SimulateOptions : TrackerOptions {
   int frames = 20;                 ///< 1 to kMaxFrames
   double jitter_mm = 0.0;          ///< unsteady hand, before the scan: uniform in +- on each of three axes
   double jitter_deg = 0.0;         ///< the same for azimuth, elevation and roll
+  bool steady_ends = false;        ///< the hand is steady at each sweep's first and last frame, where it waits
   double misregister_mm = 0.0;     ///< errors of the recorded poses, after the scan: uniform in +- on each axis
   double misregister_deg = 0.0;
   /// B-scans with speckle, as a scanner shows them; else 255 inside the object and 0 outside. Its `seed` is not used:
@@ -55,6 +58,9 @@ struct SimulatedScan {
 
 /// Throws Error as SimulateOptions::check; Cancelled.
 SimulatedScan simulate(const SimulateOptions& options, const Progress& progress = {});
+
+/// The same of a phantom of one's own, whatever `options.object` says. Patterns look for the phantom's name.
+SimulatedScan simulate_phantom(const Phantom& phantom, const SimulateOptions& options, const Progress& progress = {});
 
 /// The text of the truth file (docs/file-formats.md).
 std::string truth_json(const SimulatedScan& scan, const SimulateOptions& options);

@@ -91,23 +91,25 @@ void MeasurementsPane::draw_structure(Session& session, std::size_t index) {
 
 void MeasurementsPane::draw_style(Session& session, std::size_t index) {
   Document& document = *session.document();
-  const Structure structure = document.structures()[index];
+  // Copies, as edits replace the structure; not of its outlines.
+  const std::string structure_name = document.structures()[index].name;
+  const std::string structure_color = document.structures()[index].color;
   const std::uint64_t id = document.content().ids[index];
   const bool active = session.active_structure() == index;
   if (ImGui::RadioButton("##active", active)) session.view.structure = index;
   ui::note_last("structure " + std::to_string(index + 1));
   ui::tip("Tools work on this structure");
   ImGui::SameLine();
-  ImVec4 color = ImGui::ColorConvertU32ToFloat4(packed_color(structure.color.c_str()));
+  ImVec4 color = ImGui::ColorConvertU32ToFloat4(packed_color(structure_color.c_str()));
   if (ImGui::ColorEdit3("##color", &color.x, ImGuiColorEditFlags_NoInputs)) {
     char text[8];
     std::snprintf(text, sizeof text, "#%02x%02x%02x", static_cast<unsigned>(std::lround(255.0F * color.x)),
                   static_cast<unsigned>(std::lround(255.0F * color.y)),
                   static_cast<unsigned>(std::lround(255.0F * color.z)));
-    session.attempt(structure.name, [&] { document.recolor_structure(index, text); });
+    session.attempt(structure_name, [&] { document.recolor_structure(index, text); });
   }
   ImGui::SameLine();
-  if (named_ != id) name_ = structure.name;
+  if (named_ != id) name_ = structure_name;
   std::string& name = name_;
   ImGui::SetNextItemWidth(-2.2F * ui::em());
   ui::text(("##name" + std::to_string(index)).c_str(), name);
@@ -115,12 +117,12 @@ void MeasurementsPane::draw_style(Session& session, std::size_t index) {
   if (ImGui::IsItemDeactivated() && named_ == id) {
     const std::string wanted = name;
     named_ = 0;
-    if (wanted != structure.name) session.attempt(structure.name, [&] { document.rename_structure(index, wanted); });
+    if (wanted != structure_name) session.attempt(structure_name, [&] { document.rename_structure(index, wanted); });
   }
   ImGui::SameLine();
   const std::string remove = "x##remove structure " + std::to_string(index + 1);
   if (ImGui::Button(remove.c_str())) {
-    session.attempt(structure.name, [&] { document.remove_structure(index); });
+    session.attempt(structure_name, [&] { document.remove_structure(index); });
   }
   ui::note_last("remove structure " + std::to_string(index + 1));
   ui::tip("Remove this structure with all of its outlines (can be undone)");

@@ -14,6 +14,7 @@ namespace fathom {
 // What devices call things, made fit for the header of a recording, which must be read back whatever they send.
 
 inline constexpr const char* kSweepField = "Sweep";  ///< of a frame: which sweep of the recording it belongs to, from 0
+inline constexpr const char* kGeometryFaultField = "GeometryFault";  ///< why frames have no place any more
 inline constexpr const char* kReservedSpace = ".sweep.reserve";
 
 /// The sweep that a frame of a recording belongs to, as stored; empty where the recorder was not told.

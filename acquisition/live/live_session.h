@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,13 +14,20 @@ namespace fathom {
 
 enum class LiveStream { kImages, kTracker };
 
+/// Why a calibration does not hold any more for the images that come.
+struct GeometryFault {
+  std::string message;   ///< "the images changed from 640x480 to 800x600 pixels"
+  double since_s = 0.0;  ///< time stamp of the first frame that may have the other geometry, on live_clock_s()
+};
+
 /// A change of a source's state, or something that the user must know.
 struct SessionEvent {
   LiveStream stream = LiveStream::kImages;
-  std::optional<SourceState> state;  ///< set where the source changed it
-  bool warning = false;              ///< whether frames or poses are lost or not to be trusted
-  double time_s = 0.0;               ///< on live_clock_s()
-  std::string message;               ///< one line that names the source
+  std::optional<SourceState> state;            ///< set where the source changed it
+  bool warning = false;                        ///< whether frames or poses are lost or not to be trusted
+  double time_s = 0.0;                         ///< on live_clock_s()
+  std::string message;                         ///< one line that names the source
+  std::optional<GeometryFault> geometry = {};  ///< set where from now on no frame's pixels have a place
 };
 
 /// Who receives tracked frames: the recorder, the display, the server. All calls come from the session's own thread,
@@ -46,6 +54,9 @@ struct SessionOptions {
   /// The transforms without which a frame's place is not known. Empty: those named "Probe..." and "Reference...", all
   /// where there is none of these.
   std::vector<std::string> required_transforms = {};
+  /// Looks at every frame before listeners get it, on the session's thread, until it finds a fault (registration's
+  /// GeometryWatch does). That frame and all after it get the status "INVALID". Empty: nobody looks.
+  std::function<std::optional<GeometryFault>(const LiveFrame&)> watch_geometry = {};
 
   /// Throws Error, naming the option, when a value is out of range.
   void check() const;
@@ -85,6 +96,7 @@ struct SessionStatistics {
   int width = 0;                     ///< of the newest frame, pixels
   int height = 0;
   int pixel_type = 0;
+  std::string geometry_fault;        ///< why a calibration does not hold any more; empty while it may
   std::uint64_t format_changes = 0;  ///< how often the images' size or type has changed: a calibration holds for none
 };
 

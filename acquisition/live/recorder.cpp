@@ -27,6 +27,7 @@ RecorderStatus Recorder::status() const { return writer_->status(); }
 FinishedRecording Recorder::finish() { return writer_->finish(); }
 void Recorder::discard_if_empty() { writer_->discard_if_empty(); }
 void Recorder::on_frame(const SharedFrame& frame) { writer_->on_frame(frame); }
+void Recorder::on_event(const SessionEvent& event) { writer_->on_event(event); }
 void Recorder::on_sample(const TrackerSample& sample) { writer_->on_sample(sample); }
 
 }  // namespace fathom

@@ -45,6 +45,7 @@ struct RecorderStatus {
   std::uint64_t invalid_frames = 0;              ///< of these
   std::uint64_t dropped_frames = 0;              ///< as the disk was too slow
   std::uint64_t samples = 0;                     ///< of the tracker, written
+  std::uint64_t dropped_samples = 0;             ///< as the disk was too slow for very long
   int sweep = 0;                                 ///< the one being recorded, from 0
   double duration_s = 0.0;                       ///< from the first frame's stamp to the last one's
   std::uint64_t bytes = 0;                       ///< of pixels
@@ -86,6 +87,7 @@ class Recorder : public SessionListener {
 
   void on_frame(const SharedFrame& frame) override;
   void on_sample(const TrackerSample& sample) override;
+  void on_event(const SessionEvent& event) override;
 
  private:
   class Writer;

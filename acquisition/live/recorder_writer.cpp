@@ -10,7 +10,7 @@ namespace fathom {
 
 namespace {
 
-constexpr std::size_t kMostItems = 100000;  // samples and marks that wait: minutes of any tracker
+constexpr std::size_t kMostItems = 50'000;  // that wait, where samples are no longer taken: minutes of most trackers
 
 std::string size_text(const cv::Mat& image) {
   return std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels";
@@ -79,10 +79,19 @@ void Recorder::Writer::on_frame(const SharedFrame& frame) {
 
 void Recorder::Writer::on_sample(const TrackerSample& sample) { push(sample); }
 
+void Recorder::Writer::on_event(const SessionEvent& event) {
+  if (event.geometry) push(GeometryLine{event.geometry->message, event.geometry->since_s});
+}
+
 void Recorder::Writer::push(Item item) {
   {
     const std::lock_guard lock(mutex_);
-    if (ended_ || queue_.size() >= kMostItems) return;
+    if (ended_) return;
+    // Marks are few, and what they say must not be lost.
+    if (queue_.size() >= kMostItems && std::holds_alternative<TrackerSample>(item)) {
+      ++status_.dropped_samples;
+      return;
+    }
     queue_.push_back(std::move(item));
   }
   wake_.notify_one();
@@ -160,6 +169,11 @@ void Recorder::Writer::write(const InvalidMark& /*mark*/) {
   sweep_invalid_ = frames;
 }
 
+void Recorder::Writer::write(const GeometryLine& geometry) {
+  files_.write(geometry);
+  is_dirty_ = true;
+}
+
 void Recorder::Writer::sync_if_due() {
   const double now_s = live_clock_s();
   if (!is_dirty_ || now_s - last_sync_s_ < options_.sync_interval_s) return;
@@ -174,7 +188,9 @@ void Recorder::Writer::look_at_disk() {
   const auto space = std::filesystem::space(files_.folder(), code);
   const std::lock_guard lock(mutex_);
   if (code || status_.duration_s <= 0.0) return;
-  const double bytes_per_s = static_cast<double>(status_.bytes) / status_.duration_s;
+  // The time is that from the first frame to the last: one frame less than the bytes are of.
+  const double share = static_cast<double>(status_.frames - 1) / static_cast<double>(status_.frames);
+  const double bytes_per_s = share * static_cast<double>(status_.bytes) / status_.duration_s;
   status_.minutes_left = static_cast<double>(space.available) / bytes_per_s / 60.0;
 }
 
@@ -206,9 +222,13 @@ RecorderStatus Recorder::Writer::status() const {
                  : !wanted_ || closed ? RecorderState::kPaused
                  : waits              ? RecorderState::kWaiting
                                       : RecorderState::kRecording;
-  if (status.message.empty() && status.dropped_frames > 0) {
-    status.message = std::to_string(status.dropped_frames) + " frames were dropped: the disk is too slow";
-  }
+  const auto tell = [&](std::uint64_t dropped, const char* what) {
+    if (dropped > 0 && status.message.empty()) {
+      status.message = std::to_string(dropped) + what + " were dropped: the disk is too slow";
+    }
+  };
+  tell(status.dropped_frames, " frames");
+  tell(status.dropped_samples, " raw samples of the tracker");
   return status;
 }
 

@@ -34,6 +34,7 @@ class Recorder::Writer {
   void discard_if_empty();
   void on_frame(const SharedFrame& frame);
   void on_sample(const TrackerSample& sample);
+  void on_event(const SessionEvent& event);
 
  private:
   struct FrameItem {
@@ -42,7 +43,7 @@ class Recorder::Writer {
     std::size_t bytes = 0;
   };
   struct InvalidMark {};
-  using Item = std::variant<FrameItem, TrackerSample, InvalidMark>;
+  using Item = std::variant<FrameItem, TrackerSample, InvalidMark, GeometryLine>;
 
   void begin_sweep();
   bool is_wanted(const TrackedFrame& frame);
@@ -51,6 +52,7 @@ class Recorder::Writer {
   void write(const FrameItem& item);
   void write(const TrackerSample& sample);
   void write(const InvalidMark& mark);
+  void write(const GeometryLine& geometry);
   void sync_if_due();
   void look_at_disk();
   void stop_with(const std::string& message);

@@ -24,6 +24,7 @@ namespace fathom {
 namespace {
 
 constexpr std::size_t kPieceBytes = 1 << 20;
+constexpr std::size_t kLongestFault = 300;
 
 bool is_there(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -82,6 +83,10 @@ class FolderFinisher {
     }
     if (const auto invalid = parse_invalid_line(line)) {
       invalid_.push_back(*invalid);
+      return true;
+    }
+    if (const auto geometry = parse_geometry_line(line)) {
+      if (!geometry_) geometry_ = geometry;
       return true;
     }
     const auto frame = parse_frame_line(line);
@@ -150,7 +155,9 @@ class FolderFinisher {
     header.width = start_->width;
     header.height = start_->height;
     header.pixel_type = start_->pixel_type;
-    header.fields = usable_fields(start_->fields);
+    auto fields = start_->fields;
+    if (geometry_) fields.emplace(fields.begin(), kGeometryFaultField, printable(geometry_->fault, kLongestFault));
+    header.fields = usable_fields(fields);
     header.fields.emplace_back("latency_applied_s", "0");
     const MetaImageLayout layout = {.compressed = false,
                                     .pixel_file = contiguous_ ? kSweepPixels : kRecoveredPixels,
@@ -189,7 +196,8 @@ class FolderFinisher {
     const bool marked = std::any_of(invalid_.begin(), invalid_.end(), [&](const InvalidLine& range) {
       return line.frame >= range.first && line.frame <= range.last;
     });
-    if (marked) header.image_status = "INVALID";
+    const bool has_no_place = geometry_ && line.tracked.frame.time_s >= geometry_->since_s;
+    if (marked || has_no_place) header.image_status = "INVALID";
     header.fields = usable_fields(line.tracked.frame.fields);
     header.fields.emplace_back(kSweepField, std::to_string(line.sweep));
     found_.invalid_frames += header.image_valid() && line.tracked.tracked ? 0 : 1;
@@ -205,6 +213,7 @@ class FolderFinisher {
   std::uint64_t frame_bytes_ = 0;
   std::vector<bool> is_good_;  // of the lines
   std::vector<InvalidLine> invalid_;
+  std::optional<GeometryLine> geometry_;  // the first
   UsableTransforms transforms_;
   FinishedRecording found_;
   std::uint64_t kept_line_bytes_ = 0;

@@ -21,6 +21,7 @@ class SessionCounters {
 
   /// Returns whether a frame's size or type differs from that of the one before.
   bool changes_format(const cv::Mat& image);
+  void changed_geometry(const std::string& fault) { stats_.geometry_fault = fault; }
   void had_bad_time(LiveStream stream) { ++of(stream).bad_time; }
   void checked(const TrackerSample& sample);
   void delivered(const TrackedFrame& frame);

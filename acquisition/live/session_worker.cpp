@@ -183,11 +183,12 @@ void LiveSession::Worker::handle(StreamEvent event) {
   const bool bad =
       event.event.state == SourceState::kFailed || (event.event.state == SourceState::kConnecting && was_there);
   const std::lock_guard lock(listeners_mutex_);
-  const SessionEvent told{event.stream, event.event.state, bad, event.event.time_s, event.event.message};
+  const SessionEvent told{event.stream, event.event.state, bad, event.event.time_s, event.event.message, {}};
   for (SessionListener* listener : listeners_) listener->on_event(told);
 }
 
-void LiveSession::Worker::deliver(const SharedFrame& frame) {
+void LiveSession::Worker::deliver(SharedFrame frame) {
+  frame = watched(frame);
   say_tracking(*frame);
   {
     const std::lock_guard lock(listeners_mutex_);
@@ -198,6 +199,25 @@ void LiveSession::Worker::deliver(const SharedFrame& frame) {
   --waiting_frames_;
   waiting_bytes_ -= bytes_of(frame->frame.image);
   latest_ = frame;
+}
+
+// The frame, not valid once its pixels have no place any more; the pixels themselves are shared.
+SharedFrame LiveSession::Worker::watched(const SharedFrame& frame) {
+  if (!geometry_changed_ && options_.watch_geometry) {
+    if (const auto fault = options_.watch_geometry(frame->frame)) {
+      geometry_changed_ = true;
+      {
+        const std::lock_guard lock(mutex_);
+        counters_.changed_geometry(fault->message);
+      }
+      say(LiveStream::kImages, true,
+          fault->message + "; the calibration is not used any more, frames are not valid from here on", *fault);
+    }
+  }
+  if (!geometry_changed_) return frame;
+  auto invalid = std::make_shared<TrackedFrame>(*frame);
+  invalid->frame.status = "INVALID";
+  return invalid;
 }
 
 void LiveSession::Worker::say_tracking(const TrackedFrame& frame) {
@@ -233,8 +253,9 @@ void LiveSession::Worker::say_dropped() {
 }
 
 void LiveSession::Worker::say(LiveStream stream, bool warning, const std::string& message,
-                              std::optional<SourceState> state) {
-  const SessionEvent event{stream, state, warning, live_clock_s(), printable(source_of(stream), 100) + ": " + message};
+                              std::optional<GeometryFault> geometry) {
+  const std::string text = printable(source_of(stream), 100) + ": " + message;
+  const SessionEvent event{stream, {}, warning, live_clock_s(), text, std::move(geometry)};
   const std::lock_guard lock(listeners_mutex_);
   for (SessionListener* listener : listeners_) listener->on_event(event);
 }

@@ -71,10 +71,11 @@ class LiveSession::Worker {
   void handle(LiveFrame frame);
   void handle(TrackerSample sample);
   void handle(StreamEvent event);
-  void deliver(const SharedFrame& frame);
+  void deliver(SharedFrame frame);
+  SharedFrame watched(const SharedFrame& frame);
   void say_tracking(const TrackedFrame& frame);
   void say_dropped();
-  void say(LiveStream stream, bool warning, const std::string& message, std::optional<SourceState> state = {});
+  void say(LiveStream stream, bool warning, const std::string& message, std::optional<GeometryFault> geometry = {});
   const std::string& source_of(LiveStream stream) const {
     return stream == LiveStream::kTracker && tracker_ ? tracker_->name() : images_->name();
   }
@@ -100,6 +101,7 @@ class LiveSession::Worker {
 
   // Of the worker's thread alone.
   FrameMatcher matcher_;
+  bool geometry_changed_ = false;
   FaultRun lost_;
   FaultRun bad_image_times_;
   FaultRun bad_sample_times_;

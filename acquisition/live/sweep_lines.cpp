@@ -162,6 +162,10 @@ std::string line_of(const FrameLine& line) {
 
 std::string line_of(const InvalidLine& invalid) { return sealed({{"invalid", {invalid.first, invalid.last}}}); }
 
+std::string line_of(const GeometryLine& geometry) {
+  return sealed({{"geometry_fault", geometry.fault}, {"since_s", number_or_null(geometry.since_s)}});
+}
+
 std::string line_of(const TrackerSample& sample) {
   return sealed({{"transform", sample.transform},
                  {"time_s", number_or_null(sample.time_s)},
@@ -221,6 +225,12 @@ std::optional<InvalidLine> parse_invalid_line(std::string_view line) {
   return parse<InvalidLine>(line, "invalid", [](const Json& json) {
     const Json& range = json.at("invalid");
     return std::optional(InvalidLine{count_of(range.at(0)), count_of(range.at(1))});
+  });
+}
+
+std::optional<GeometryLine> parse_geometry_line(std::string_view line) {
+  return parse<GeometryLine>(line, "geometry_fault", [](const Json& json) {
+    return std::optional(GeometryLine{json.at("geometry_fault").get<std::string>(), json.at("since_s").get<double>()});
   });
 }
 

@@ -41,9 +41,16 @@ struct InvalidLine {
   std::uint64_t last = 0;
 };
 
+/// Of `sweep.jsonl`: the images' geometry has changed, see GeometryFault. Frames since then have no place.
+struct GeometryLine {
+  std::string fault;
+  double since_s = 0.0;
+};
+
 std::string line_of(const SweepStart& start);
 std::string line_of(const FrameLine& frame);
 std::string line_of(const InvalidLine& invalid);
+std::string line_of(const GeometryLine& geometry);
 /// Of `tracker.jsonl`.
 std::string line_of(const TrackerSample& sample);
 
@@ -51,6 +58,7 @@ std::string line_of(const TrackerSample& sample);
 std::optional<SweepStart> parse_sweep_start(std::string_view line);
 std::optional<FrameLine> parse_frame_line(std::string_view line);
 std::optional<InvalidLine> parse_invalid_line(std::string_view line);
+std::optional<GeometryLine> parse_geometry_line(std::string_view line);
 std::optional<TrackerSample> parse_sample_line(std::string_view line);
 
 /// Whether the line's checksum is right.

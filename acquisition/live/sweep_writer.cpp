@@ -50,9 +50,14 @@ bool SweepWriter::has_room() const { return frames_ < kMostFrames && header_memo
 
 void SweepWriter::begin(const cv::Mat& image) {
   start_ = SweepStart{image.cols, image.rows, image.type(), fields_};
-  lines_.append(line_of(*start_));
-  whole_lines_ = lines_.size();
+  write_line(line_of(*start_));
+  if (early_geometry_) write_line(line_of(*early_geometry_));
   sync();
+}
+
+void SweepWriter::write_line(const std::string& line) {
+  lines_.append(line);
+  whole_lines_ = lines_.size();
 }
 
 std::uint32_t SweepWriter::write_pixels(const cv::Mat& image) {
@@ -93,9 +98,15 @@ void SweepWriter::write(const TrackerSample& sample) {
   whole_samples_ = samples_.size();
 }
 
-void SweepWriter::write(const InvalidLine& invalid) {
-  lines_.append(line_of(invalid));
-  whole_lines_ = lines_.size();
+void SweepWriter::write(const InvalidLine& invalid) { write_line(line_of(invalid)); }
+
+void SweepWriter::write(const GeometryLine& geometry) {
+  // The first line of the file says what images are.
+  if (start_) {
+    write_line(line_of(geometry));
+  } else {
+    early_geometry_ = geometry;
+  }
 }
 
 void SweepWriter::sync() {

@@ -30,6 +30,7 @@ class SweepWriter {
   void write(const SharedFrame& frame, int sweep);
   void write(const TrackerSample& sample);
   void write(const InvalidLine& invalid);
+  void write(const GeometryLine& geometry);
 
   /// Brings everything onto the disk, and holds back room for the header. Throws Error.
   void sync();
@@ -51,6 +52,7 @@ class SweepWriter {
   };
 
   void begin(const cv::Mat& image);
+  void write_line(const std::string& line);
   std::uint32_t write_pixels(const cv::Mat& image);
 
   Folder folder_;
@@ -60,7 +62,8 @@ class SweepWriter {
   ReservedSpace reserve_;
   std::vector<std::pair<std::string, std::string>> fields_;
   std::optional<SweepStart> start_;
-  std::vector<std::byte> rows_;  ///< of an image that is part of another
+  std::optional<GeometryLine> early_geometry_;  ///< that came before the first frame
+  std::vector<std::byte> rows_;                 ///< of an image that is part of another
   std::uint64_t frames_ = 0;
   std::uint64_t whole_pixels_ = 0;  ///< bytes up to the last whole frame
   std::uint64_t whole_lines_ = 0;

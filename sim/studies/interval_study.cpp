@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/random.h"
 #include "measurement/planimetry.h"
 #include "measurement/volume_interval.h"
@@ -15,6 +16,8 @@
 namespace fathom {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr int kFewest = 5;
 constexpr int kMost = 20;
@@ -30,11 +33,11 @@ struct Exam {
   double truth_ml = 0.0;
 };
 
-Exam true_exam(const PlanimetryRow& row, int frames) {
+Exam true_exam(const IntervalCase& of) {
   SimulateOptions options;
-  options.object = row.object;
-  options.pattern = row.pattern;
-  options.frames = frames;
+  options.object = of.object;
+  options.pattern = of.pattern;
+  options.frames = of.sections;
   const SimulatedScan scan = simulate(options);
   const FrameLocator locator(*scan.recording, scan.calibration);
   const Structure& outlines = scan.outlines.front();
@@ -84,74 +87,129 @@ double rms_error_ml(const Exam& exam, const MeasurementErrors& errors, Random& r
   return std::sqrt(squares / kOracleSamples);
 }
 
-}  // namespace
-
-std::vector<IntervalStudyRow> interval_study(const IntervalStudyOptions& options, const Progress& progress) {
-  Random random(options.seed);
-  std::vector<std::vector<Exam>> exams;
-  std::vector<IntervalStudyRow> rows;
-  for (const PlanimetryRow& row : published_planimetry_rows()) {
-    rows.push_back({row.object, row.pattern, 0, 0, 0.0, 0.0});
-    exams.emplace_back();
-    for (int frames = kFewest; frames <= kMost; ++frames) exams.back().push_back(true_exam(row, frames));
-  }
-  for (int done = 0; done < options.exams;) {
-    report(progress, static_cast<double>(done) / options.exams);
-    const auto choice = static_cast<std::size_t>(random.uniform() * static_cast<double>(rows.size()));
-    const auto frames = static_cast<std::size_t>(random.uniform() * (kMost - kFewest + 1));
-    const Exam& exam = exams[choice][frames];
-    MeasurementErrors errors;
-    errors.tracker_mm = kMostNoise_mm * random.uniform();
-    errors.tracker_deg = kTurnOfNoise * errors.tracker_mm;
-    errors.outline_mm = kMostNoise_mm * random.uniform();
-    const std::vector<CrossSection> sections = disturbed(exam, errors, random);
-    MeasurementErrors known = errors;
-    if (!options.outline_known) known.outline_mm.reset();
-    const auto interval = volume_interval(sections, exam.places, known);
-    if (!interval) continue;  // noise has turned an end plane away: the program refuses, and another exam is drawn
-    ++done;
-    IntervalStudyRow& row = rows[choice];
-    ++row.exams;
-    if (interval->low_ml <= exam.truth_ml && exam.truth_ml <= interval->high_ml) ++row.covered;
-    const double percent = 100.0 / exam.truth_ml;
-    row.width_percent += percent * (interval->high_ml - interval->low_ml);
-    row.oracle_width_percent += percent * 2.0 * k95 * rms_error_ml(exam, errors, random);
-  }
-  for (IntervalStudyRow& row : rows) {
-    row.width_percent /= std::max(row.exams, 1);
-    row.oracle_width_percent /= std::max(row.exams, 1);
-  }
-  report(progress, 1.0);
-  return rows;
+// Draws an exam and adds it; false where noise has turned an end plane away.
+bool add_exam(const Exam& exam, Random& random, IntervalCounts& counts) {
+  MeasurementErrors errors;
+  errors.tracker_mm = kMostNoise_mm * random.uniform();
+  errors.tracker_deg = kTurnOfNoise * errors.tracker_mm;
+  errors.outline_mm = kMostNoise_mm * random.uniform();
+  const std::vector<CrossSection> sections = disturbed(exam, errors, random);
+  MeasurementErrors judged = errors;
+  judged.outline_mm.reset();
+  const auto given = volume_interval(sections, exam.places, errors);
+  const auto told = volume_interval(sections, exam.places, judged);
+  if (!given || !told) return false;
+  const auto holds = [&](const VolumeInterval& interval) {
+    return interval.low_ml <= exam.truth_ml && exam.truth_ml <= interval.high_ml ? 1 : 0;
+  };
+  const double percent = 100.0 / exam.truth_ml;
+  counts += {.exams = 1,
+             .redrawn = 0,
+             .covered = holds(*given),
+             .width_percent = percent * (given->high_ml - given->low_ml),
+             .judged_covered = holds(*told),
+             .judged_width_percent = percent * (told->high_ml - told->low_ml),
+             .oracle_width_percent = percent * 2.0 * k95 * rms_error_ml(exam, errors, random)};
+  return true;
 }
 
-IntervalStudyRow pooled(const std::vector<IntervalStudyRow>& rows) {
-  IntervalStudyRow all{"all", "", 0, 0, 0.0, 0.0};
-  for (const IntervalStudyRow& row : rows) {
-    all.exams += row.exams;
-    all.covered += row.covered;
-    all.width_percent += row.exams * row.width_percent;
-    all.oracle_width_percent += row.exams * row.oracle_width_percent;
+struct Count {
+  const char* name;
+  int IntervalCounts::*value;
+};
+struct Sum {
+  const char* name;
+  double IntervalCounts::*value;
+};
+constexpr Count kCounts[] = {{"exams", &IntervalCounts::exams},
+                             {"redrawn", &IntervalCounts::redrawn},
+                             {"covered", &IntervalCounts::covered},
+                             {"judged_covered", &IntervalCounts::judged_covered}};
+constexpr Sum kSums[] = {{"width_percent", &IntervalCounts::width_percent},
+                         {"judged_width_percent", &IntervalCounts::judged_width_percent},
+                         {"oracle_width_percent", &IntervalCounts::oracle_width_percent}};
+
+Json json_of(const IntervalCounts& counts) {
+  Json json;
+  for (const Count& count : kCounts) json[count.name] = counts.*count.value;
+  for (const Sum& sum : kSums) json[sum.name] = counts.*sum.value;
+  return json;
+}
+
+std::vector<IntervalCounts> counts_of(const std::vector<Json>& results) {
+  std::vector<IntervalCounts> all;
+  for (const Json& json : results) {
+    IntervalCounts& counts = all.emplace_back();
+    for (const Count& count : kCounts) counts.*count.value = json.at(count.name).get<int>();
+    for (const Sum& sum : kSums) counts.*sum.value = json.at(sum.name).get<double>();
   }
-  all.width_percent /= std::max(all.exams, 1);
-  all.oracle_width_percent /= std::max(all.exams, 1);
   return all;
 }
 
-std::string interval_study_text(const std::vector<IntervalStudyRow>& rows) {
-  std::string text =
-      "| object | pattern | exams | covered, % | width, % of the volume | an oracle's | ratio |\n"
-      "| --- | --- | --- | --- | --- | --- | --- |\n";
-  std::vector<IntervalStudyRow> lines = rows;
-  lines.push_back(pooled(rows));
-  for (const IntervalStudyRow& row : lines) {
-    char line[200];
-    std::snprintf(line, sizeof line, "| %s | %s | %d | %.1f | %.2f | %.2f | %.2f |\n", row.object.c_str(),
-                  row.pattern.c_str(), row.exams, 100.0 * row.covered / std::max(row.exams, 1), row.width_percent,
-                  row.oracle_width_percent, row.width_percent / row.oracle_width_percent);
-    text += line;
+class IntervalStudy final : public Study {
+ public:
+  std::string name() const override { return "interval"; }
+  std::string title() const override { return "how often 95 % intervals hold the true volume"; }
+  int cases(const StudyOptions&) const override { return static_cast<int>(interval_cases().size()); }
+
+  std::string case_name(const StudyOptions&, int index) const override {
+    const IntervalCase of = interval_cases().at(static_cast<std::size_t>(index));
+    return of.object + " " + of.pattern + ", " + std::to_string(of.sections) + " sections";
   }
-  return text;
+
+  Json run_case(const StudyOptions& options, int index) const override {
+    const IntervalCase of = interval_cases().at(static_cast<std::size_t>(index));
+    return json_of(measure_intervals(of, options.samples, case_seed(options, index)));
+  }
+
+  Json rows(const StudyOptions&, const std::vector<Json>& results) const override {
+    Json json = Json::array();
+    const std::vector<IntervalCase> cases = interval_cases();
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      Json row = {{"object", cases[i].object}, {"pattern", cases[i].pattern}, {"sections", cases[i].sections}};
+      row.update(results.at(i));
+      json.push_back(std::move(row));
+    }
+    return json;
+  }
+
+  StudyReport report(const StudyOptions&, const std::vector<Json>& results) const override {
+    return interval_report(counts_of(results));
+  }
+};
+
+}  // namespace
+
+const Study& interval_study() {
+  static const IntervalStudy study;
+  return study;
+}
+
+std::vector<IntervalCase> interval_cases() {
+  std::vector<IntervalCase> cases;
+  for (const PlanimetryRow& row : published_planimetry_rows()) {
+    for (int frames = kFewest; frames <= kMost; ++frames) cases.push_back({row.object, row.pattern, frames});
+  }
+  return cases;
+}
+
+IntervalCounts& IntervalCounts::operator+=(const IntervalCounts& other) {
+  for (const Count& count : kCounts) this->*count.value += other.*count.value;
+  for (const Sum& sum : kSums) this->*sum.value += other.*sum.value;
+  return *this;
+}
+
+IntervalCounts measure_intervals(const IntervalCase& of, int exams, std::uint64_t seed) {
+  constexpr int kMostRedrawn = 1000;  // far more than ever: the exams of such a scan would all be refused
+  Random random(seed);
+  const Exam exam = true_exam(of);
+  IntervalCounts counts;
+  while (counts.exams < exams) {
+    if (!add_exam(exam, random, counts) && ++counts.redrawn > kMostRedrawn) {
+      throw Error("intervals of " + of.object + " " + of.pattern + ": noise leaves no volume to measure");
+    }
+  }
+  return counts;
 }
 
 }  // namespace fathom

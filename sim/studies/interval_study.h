@@ -4,33 +4,38 @@
 #include <string>
 #include <vector>
 
-#include "core/progress.h"
+#include "sim/studies/study.h"
 
 namespace fathom {
 
-/// How often 95 % intervals hold the true volume, over simulated exams of the 14 rows of Treece 2000, table 2.1, with
-/// 5 to 20 sections, tracker noise of 0 to 0.3 mm and scatter of outlines of 0 to 0.3 mm (organs of 2 cm).
-struct IntervalStudyOptions {
-  int exams = 2000;
-  std::uint64_t seed = 1;
-  bool outline_known = true;  ///< whether the scatter of outlines is given to the measurement, or judged by it
-};
+/// Study `interval`: how often 95 % intervals hold the true volume. A case is a row of Treece 2000, table 2.1, with 5
+/// to 20 sections; each of its samples is an exam with tracker noise of 0 to 0.3 mm and scatter of outlines of 0 to 0.3
+/// mm (organs of 2 cm).
+const Study& interval_study();
 
-struct IntervalStudyRow {
+/// Exams of one row and number of sections.
+struct IntervalCase {
   std::string object;
   std::string pattern;
-  int exams = 0;
-  int covered = 0;
-  double width_percent = 0.0;         ///< mean width of the intervals, of the true volume
-  double oracle_width_percent = 0.0;  ///< of those made with the true spread of the errors of each exam
+  int sections = 0;  ///< frames of the scan
 };
+std::vector<IntervalCase> interval_cases();
 
-/// One line for each row of the table. Throws Cancelled.
-std::vector<IntervalStudyRow> interval_study(const IntervalStudyOptions& options = {}, const Progress& progress = {});
+/// Of some exams. Widths are sums of the intervals' widths, in percent of the true volume.
+struct IntervalCounts {
+  int exams = 0;
+  int redrawn = 0;  ///< noise had turned an end plane away, which the program refuses: another exam was drawn
+  int covered = 0;  ///< with the scatter of outlines given
+  double width_percent = 0.0;
+  int judged_covered = 0;  ///< with the scatter judged by the measurement
+  double judged_width_percent = 0.0;
+  double oracle_width_percent = 0.0;  ///< of intervals made with the true spread of the errors of each exam
 
-/// Sum of all rows, named "all".
-IntervalStudyRow pooled(const std::vector<IntervalStudyRow>& rows);
+  IntervalCounts& operator+=(const IntervalCounts& other);
+};
+IntervalCounts measure_intervals(const IntervalCase& of, int exams, std::uint64_t seed);
 
-std::string interval_study_text(const std::vector<IntervalStudyRow>& rows);
+/// `counts` of all cases, in their order.
+StudyReport interval_report(const std::vector<IntervalCounts>& counts);
 
 }  // namespace fathom

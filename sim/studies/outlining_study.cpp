@@ -84,7 +84,8 @@ OutliningTrial scripted_outline(const cv::Mat& image, const Polygon& truth, doub
   }
   wire.close();
   const std::vector<Polygon> right = {truth};
-  trial.dice = dice(std::vector<Polygon>{wire.line()}, right);
+  trial.outline_px = wire.line();
+  trial.dice = dice(std::vector<Polygon>{trial.outline_px}, right);
   trial.dice_straight = dice(std::vector<Polygon>{wire.seeds()}, right);
   return trial;
 }

@@ -15,6 +15,7 @@ struct OutliningTrial {
   int clicks = 0;              ///< seeds placed, and one to close
   double dice = 0.0;           ///< of the live-wire's outline and the truth
   double dice_straight = 0.0;  ///< of the polygon through the same seeds
+  Polygon outline_px;          ///< the live-wire's
 };
 
 /// A scripted user of the live-wire, who knows the true outline and wants an outline of `wanted_dice`: from its topmost

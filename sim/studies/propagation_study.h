@@ -42,7 +42,7 @@ struct PropagationStudySweep {
 std::vector<PropagationStudySweep> propagation_study(const PropagationStudyOptions& options,
                                                      const Progress& progress = {});
 
-/// What the issue asks for.
+/// What is made of all sweeps.
 struct PropagationSummary {
   int contours = 0;
   double mean_dice = 0.0;         ///< over frames

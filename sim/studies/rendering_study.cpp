@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/random.h"
+#include "sim/studies/formula_surfaces.h"
 #include "surface/shaded_picture.h"
 #include "surface/vertex_normals.h"
 
@@ -18,34 +19,10 @@ namespace {
 
 constexpr int kPicture_px = 300;
 constexpr double kScale_px = 120.0;  // of the sphere's radius
-constexpr double kBox = 1.3;         // half of the lattice's side
 constexpr std::uint64_t kSeed = 34;
 
 Mesh sphere(const MesherOptions& mesher, double spacing, ShadingNormals normals) {
-  const bool cubic = mesher.lattice() == Lattice::kCubic;
-  const double column_step = cubic ? spacing : std::numbers::sqrt2 * spacing;
-  const int rows = static_cast<int>(std::ceil(2.0 * kBox / spacing)) + 1;
-  const int columns = static_cast<int>(std::ceil(2.0 * kBox / column_step)) + 1;
-  std::vector<SampledLayer> layers;
-  for (int k = 0; k < rows; ++k) {
-    SampledLayer layer;
-    layer.columns = columns;
-    layer.rows = rows;
-    layer.origin = {-kBox, -kBox, -kBox + k * spacing};
-    layer.column_step = {column_step, 0.0, 0.0};
-    layer.row_step = {0.0, spacing, 0.0};
-    for (int j = 0; j < rows; ++j) {
-      for (int i = 0; i < columns; ++i) {
-        const double aside = cubic ? 0.0 : 0.5 * ((j + k) % 2);
-        const Eigen::Vector3d at = layer.origin + (i + aside) * layer.column_step + j * layer.row_step;
-        layer.values.push_back(static_cast<float>(1.0 - at.squaredNorm()));
-      }
-    }
-    layers.push_back(std::move(layer));
-  }
-  std::vector<const SampledLayer*> stack;
-  for (const SampledLayer& layer : layers) stack.push_back(&layer);
-  Mesh mesh = join(mesh_layers(stack, 0, static_cast<int>(stack.size()), mesher));
+  Mesh mesh = formula_mesh(formula_surfaces().front(), mesher, spacing);
   if (normals == ShadingNormals::kTriangles) {
     mesh.normals = vertex_normals(mesh);
   } else {

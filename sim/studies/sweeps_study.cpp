@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <set>
@@ -56,40 +55,21 @@ std::size_t sweeps_in(const std::string& pattern) {
   return 1;
 }
 
-/// The sections in a region of the partition.
-struct RegionSections {
-  std::vector<CrossSection> present;
-  std::vector<CrossSection> measured;  ///< with those between them that the structure is absent from
-};
-
-std::vector<RegionSections> sections_by_region(const DividedScan& divided) {
+/// Frames that show the object where their sweep is used.
+int used_sections(const DividedScan& divided) {
   const SpacePartition& partition = divided.division.partition;
-  std::vector<RegionSections> regions(partition.region_count());
+  std::set<std::size_t> regions;
+  std::set<int> frames;
   for (const SpacePartition::Cell& cell : partition.cells()) {
-    if (!cell.sweep || !regions[cell.region].present.empty()) continue;
+    if (!cell.sweep || !regions.insert(cell.region).second) continue;
     const Sweep& sweep = divided.division.sweeps[*cell.sweep];
     const auto sections = section_outlines(divided.scan.outlines.front(), divided.locator, sweep);
     const auto clipped = clip_each(sections, partition, cell.region);
-    regions[cell.region] = {present_in(sections, clipped, partition, cell.region),
-                            with_absences(sections, clipped, partition, cell.region)};
-  }
-  return regions;
-}
-
-int used_sections(const std::vector<RegionSections>& regions) {
-  std::set<int> frames;
-  for (const RegionSections& region : regions) {
-    for (const CrossSection& section : region.present) frames.insert(section.frame);
+    for (const CrossSection& section : present_in(sections, clipped, partition, cell.region)) {
+      frames.insert(section.frame);
+    }
   }
   return static_cast<int>(frames.size());
-}
-
-double continued_ml(const std::vector<RegionSections>& regions) {
-  double sum_ml = 0.0;
-  for (const auto& [present, measured] : regions) {
-    if (measure_planimetry(measured).volumes.cubic_ml) sum_ml += cubic_planimetry_ml(measured, SplineEnd::kContinue);
-  }
-  return sum_ml;
 }
 
 /// The fewest sections with which these and all larger numbers keep an error within 2 %.
@@ -103,20 +83,9 @@ std::optional<SweepsMeasurement> sustained(const std::vector<SweepsMeasurement>&
   return fewest;
 }
 
-std::string sections_text(const std::optional<SweepsMeasurement>& measurement) {
-  return measurement ? std::to_string(measurement->sections) : "-";
-}
-
 double error_percent(const std::optional<double>& measured_ml, double true_ml) {
   if (!measured_ml) return std::numeric_limits<double>::quiet_NaN();
   return 100.0 * (*measured_ml / true_ml - 1.0);
-}
-
-std::string number(const char* format, double value) {
-  if (std::isnan(value)) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 SimulateOptions scan_options(const std::string& object, const std::string& pattern, int frames) {
@@ -170,11 +139,10 @@ SweepsMeasurement measure_sweeps(const std::string& object, const std::string& p
   const double true_ml = divided.scan.truth.volume_ml;
   SweepsMeasurement result;
   result.frames = frames;
-  const auto regions = sections_by_region(divided);
-  result.sections = used_sections(regions);
-  result.continued_percent = error_percent(continued_ml(regions), true_ml);
+  result.sections = used_sections(divided);
   result.linear_percent = error_percent(volume.total.linear_ml, true_ml);
   result.cubic_percent = error_percent(volume.total.cubic_ml, true_ml);
+  result.quadric_percent = error_percent(volume.total.quadric_ml, true_ml);
   result.cut_off_mm = cut_off_mm(divided);
   for (const PartitionVolume& part : volume.partitions) result.missing_percent += 100.0 * part.missing_ml / true_ml;
   return result;
@@ -207,50 +175,25 @@ std::vector<SweepsCell> published_sweeps_cells() {
   return cells;
 }
 
+void summarise(SweepsCell& cell) {
+  const auto off = [&](const SweepsMeasurement& m) { return std::abs(m.sections - cell.published_sections); };
+  cell.sustained = sustained(cell.measurements, &SweepsMeasurement::cubic_percent);
+  cell.sustained_quadric = sustained(cell.measurements, &SweepsMeasurement::quadric_percent);
+  cell.at_published = cell.measurements.front();
+  for (const SweepsMeasurement& m : cell.measurements) {
+    if (off(m) < off(cell.at_published)) cell.at_published = m;
+  }
+}
+
 SweepsCell measure_sweeps_cell(const SweepsCell& cell) {
   SweepsCell result = cell;
-  const auto off = [&](const SweepsMeasurement& m) { return std::abs(m.sections - cell.published_sections); };
   const int sweeps = static_cast<int>(sweeps_in(cell.pattern));
   for (int frames = kFewestPerSweep * sweeps; frames <= kMostPerSweep * sweeps; ++frames) {
     result.measurements.push_back(measure_sweeps(cell.object, cell.pattern, frames));
   }
-  result.sustained = sustained(result.measurements, &SweepsMeasurement::cubic_percent);
-  result.sustained_continued = sustained(result.measurements, &SweepsMeasurement::continued_percent);
-  result.at_published = result.measurements.front();
-  for (const SweepsMeasurement& m : result.measurements) {
-    if (off(m) < off(result.at_published)) result.at_published = m;
-  }
+  summarise(result);
   result.surface_percent = surface_error_percent(cell.object, cell.pattern, result.at_published.frames);
   return result;
-}
-
-std::string sweeps_table_text(const std::vector<SweepsCell>& cells) {
-  std::string text =
-      "| object | pattern | sections for +-2 %, sustained (published) | ends continued | linear there, % (published) | "
-      "cubic there, % "
-      "| linear, % with the published number of sections | cubic | surface (published) | missing, % "
-      "| linear, % with 23 frames per sweep | cubic |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
-  for (const SweepsCell& cell : cells) {
-    const SweepsMeasurement none{.linear_percent = std::nan(""), .cubic_percent = std::nan("")};
-    const SweepsMeasurement& fewest = cell.sustained ? *cell.sustained : none;
-    const SweepsMeasurement& most = cell.measurements.back();
-    const std::string columns[] = {cell.object,
-                                   cell.pattern,
-                                   sections_text(cell.sustained) + " (" + std::to_string(cell.published_sections) + ")",
-                                   sections_text(cell.sustained_continued),
-                                   number("%+.1f", fewest.linear_percent) + number(" (%.1f)", cell.published_linear),
-                                   number("%+.2f", fewest.cubic_percent),
-                                   number("%+.1f", cell.at_published.linear_percent),
-                                   number("%+.2f", cell.at_published.cubic_percent),
-                                   number("%+.1f", cell.surface_percent) + number(" (%.1f)", cell.published_surface),
-                                   number("%.2f", cell.at_published.missing_percent),
-                                   number("%+.2f", most.linear_percent),
-                                   number("%+.2f", most.cubic_percent)};
-    for (const std::string& column : columns) text += "| " + column + " ";
-    text += "|\n";
-  }
-  return text;
 }
 
 }  // namespace fathom

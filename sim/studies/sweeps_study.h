@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "core/progress.h"
 #include "measurement/partition_volume.h"
 #include "registration/division.h"
 #include "sim/simulate.h"
@@ -31,7 +30,7 @@ struct SweepsMeasurement {
   int sections = 0;  ///< frames with a part of the object where their sweep is used: those that a person would outline
   double linear_percent = 0.0;  ///< signed errors of the volume; not a number where there is no volume
   double cubic_percent = 0.0;
-  double continued_percent = 0.0;  ///< as cubic_percent, with SplineEnd::kContinue in every partition
+  double quadric_percent = 0.0;
   /// Of the outlines that the image's border cuts, where this sweep is used: largest length of border within the
   /// object. Above 0 the images do not show all that is to be measured in them.
   double cut_off_mm = 0.0;
@@ -54,7 +53,7 @@ struct SweepsCell {
   std::vector<SweepsMeasurement> measurements;  ///< of every number of frames within the limits
   /// The fewest frames with which these and all larger numbers keep cubic planimetry within 2 %.
   std::optional<SweepsMeasurement> sustained;
-  std::optional<SweepsMeasurement> sustained_continued;  ///< the same of continued_percent
+  std::optional<SweepsMeasurement> sustained_quadric;  ///< the same of quadric planimetry
   /// The measurement whose number of sections is nearest to the published one.
   SweepsMeasurement at_published;
   double surface_percent = 0.0;  ///< of the same scan, as surface_error_percent
@@ -69,7 +68,7 @@ std::vector<SweepsCell> published_sweeps_cells();
 /// Scans and measures. Takes object, pattern and the published figures from `cell`.
 SweepsCell measure_sweeps_cell(const SweepsCell& cell);
 
-/// As a table in Markdown, a line for each cell, published figures in brackets.
-std::string sweeps_table_text(const std::vector<SweepsCell>& cells);
+/// Fills `sustained`, `sustained_quadric` and `at_published` from the measurements, of which there must be some.
+void summarise(SweepsCell& cell);
 
 }  // namespace fathom

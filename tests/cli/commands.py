@@ -10,7 +10,7 @@ import zlib
 from program import complaint_about_error, run_script, tree
 from recording_file import MetaImage
 
-COMMANDS = ("info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
+COMMANDS = ("accuracy", "info", "convert", "simulate", "segment", "sweeps", "planes", "measure",
             "surface", "reslice", "reconstruct", "isosurface", "eqnsurf", "calibrate", "register", "demo",
             "devices", "serve", "record", "recover", "propagate", "view")
 METHODS = {"linear_planimetry", "cubic_planimetry", "cubic_planimetry_3d", "cubic_planimetry_quadric", "shape_based",

@@ -291,3 +291,35 @@ def phantoms(good):
     yield name, content.replace(b'"HUGE"', b"1e999")
     yield "a registration of 15 numbers", changed(lambda document: document.update(phantom_to_reference=[0] * 15))
     yield "a registration of zeros", changed(lambda document: document.update(phantom_to_reference=[0] * 16))
+
+
+def study_results(good_text):
+    """Results of studies, as `fathom accuracy` writes and merges them."""
+    good = json.loads(good_text)
+
+    def changed(**values):
+        return json.dumps({**good, **values}).encode()
+
+    def with_case(**values):
+        return changed(results=[{**good["results"][0], **values}, *good["results"][1:]])
+
+    yield from broken_json(good_text)
+    for key in good:
+        yield f"no {key}", json.dumps(without(good, key)).encode()
+        yield f"{key} that is null", changed(**{key: None})
+        yield f"{key} that is an object", changed(**{key: {}})
+    for key in ("samples", "seed", "cases"):
+        for value in (-1, 0.5, "1", [1]):
+            yield f"{key} {value!r}", changed(**{key: value})
+        yield f"{key} beyond all numbers", changed(**{key: "HUGE"}).replace(b'"HUGE"', b"1e999")
+    yield "more cases than the study has", changed(cases=good["cases"] + 1)
+    yield "more samples than there are cases for", changed(samples=99999)
+    yield "a version to come", changed(fathom_accuracy=2)
+    yield "a study with a line break", changed(study="2.1\n2.2")
+    yield "a program with control characters", changed(version="\u001b[2J\n")
+    for shard in ([1, 1], [-1, 2], [0, 0], [0, 2], [0], [0, 1, 2], ["0", "1"], [0, 10**12]):
+        yield f"shard {shard}", changed(shard=shard)
+    for number in (-1, 10**12, 0.5, "0", None, 1):
+        yield f"case {number!r}", with_case(case=number)
+    for value in (None, 1, "x", [], {}, {"error_percent": 7}, {"error_percent": {}}, {"error_percent": {"linear_planimetry": "x"}}):
+        yield f"value {value!r}", with_case(value=value)

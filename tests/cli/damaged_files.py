@@ -201,6 +201,19 @@ class Suite:
         self.must_refuse("landmarks: a pipe", {"damaged.csv": damaged_recordings.pipe}, runs)
         self.must_refuse("landmarks: 2 GB", {"damaged.csv": damaged_recordings.sparse(b"1,2,3", 2 << 30)}, runs)
 
+    def study_results(self):
+        def runs(path):
+            return {"accuracy merge": ["accuracy", "merge", path, "--out", "page"]}
+
+        self.program.must_run("accuracy", "--table", "2.13", "--samples", 1, "--out", self.good / "study")
+        self.must_accept("results of a study", runs(self.good / "study" / "2.13.json")["accuracy merge"])
+        for name, content in damaged_documents.study_results((self.good / "study" / "2.13.json").read_bytes()):
+            self.must_refuse(f"results of a study: {name}", {"damaged.json": content}, runs)
+        self.must_refuse("results of a study: not there", {}, runs)
+        self.must_refuse("results of a study: a folder", {"damaged.json": damaged_recordings.folder}, runs)
+        self.must_refuse("results of a study: a pipe", {"damaged.json": damaged_recordings.pipe}, runs)
+        self.must_refuse("results of a study: 2 GB", {"damaged.json": damaged_recordings.sparse(b"{", 2 << 30)}, runs)
+
     def without_permission(self):
         """Files that may not be read, as a user who is not root."""
         user = ordinary_user(self.program, self.folder)
@@ -233,6 +246,7 @@ def body(program, folder, tally, _root):
     suite.landmarks()
     suite.planes()
     suite.exams()
+    suite.study_results()
     suite.without_permission()
 
 

@@ -52,6 +52,9 @@ TEST(FormatRounded, NeverShowsMinusZero) {
   EXPECT_EQ(format_rounded(-0.001, 2), "0.00");
   EXPECT_EQ(format_rounded(12.5678, 1), "12.6");
   EXPECT_EQ(format_rounded(-7.6, 0), "-8");
+  EXPECT_EQ(format_signed(-0.001, 2), "+0.00");
+  EXPECT_EQ(format_signed(-1.25, 1), "-1.2");
+  EXPECT_EQ(format_signed(std::nan(""), 1), "-");
   EXPECT_EQ(format_rounded(1e300, 0).size(), 301u);
 }
 

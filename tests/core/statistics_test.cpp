@@ -23,6 +23,15 @@ TEST(Statistics, MedianIsTheMiddle) {
   EXPECT_EQ(median({9.0, 1.0, 4.0, 2.0}), 4.0);
 }
 
+TEST(Statistics, QuantilesLieBetweenTheValuesAboutThem) {
+  EXPECT_EQ(quantile({}, 0.5), 0.0);
+  EXPECT_EQ(quantile({5.0}, 0.25), 5.0);
+  EXPECT_EQ(quantile({3.0, 1.0, 2.0, 5.0, 4.0}, 0.25), 2.0);
+  EXPECT_DOUBLE_EQ(quantile({4.0, 1.0}, 0.25), 1.75);
+  EXPECT_EQ(quantile({4.0, 1.0, 2.0}, 0.0), 1.0);
+  EXPECT_EQ(quantile({4.0, 1.0, 2.0}, 1.0), 4.0);
+}
+
 TEST(Statistics, IndependentErrorsCountOneByOne) {
   EXPECT_NEAR(correlated_neighbours(following(3000, 0.0, 1)), 1.0, 0.1);
   EXPECT_EQ(correlated_neighbours(Eigen::MatrixXd::Zero(100, 3)), 1.0);

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/html.h"
 #include "core/text_file.h"
 #include "exam/exam_report.h"
 #include "exam/export_exam.h"
-#include "exam/html.h"
 #include "exam/make_exam.h"
 #include "exam/results_export.h"
 #include "tests/exam/scan.h"

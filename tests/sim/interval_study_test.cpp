@@ -10,20 +10,29 @@
 namespace fathom {
 namespace {
 
+TEST(Intervals, GrowWithTheErrorsAndHoldTheTrueVolumeOfASphere) {
+  const IntervalCounts counts = measure_intervals({"sphere", "linear", 10}, 40, 1);
+  EXPECT_EQ(counts.exams, 40);
+  EXPECT_GE(counts.covered, 34);  // fewer than one run in ten thousand
+  EXPECT_GT(counts.judged_width_percent, counts.width_percent) << "who is told more is surer";
+}
+
+TEST(Intervals, AreTheSameForTheSameSeedAndOthersForAnother) {
+  const IntervalCase of{"cone", "linear", 8};
+  EXPECT_EQ(measure_intervals(of, 3, 7).width_percent, measure_intervals(of, 3, 7).width_percent);
+  EXPECT_NE(measure_intervals(of, 3, 7).width_percent, measure_intervals(of, 3, 8).width_percent);
+}
+
 TEST(IntervalStudy, CoversTheTrueVolumeAndIsNoWiderThanNeeded) {
-  const auto rows = interval_study();
-  std::cout << interval_study_text(rows);
-  const IntervalStudyRow all = pooled(rows);
-  EXPECT_EQ(all.exams, 2000);
+  constexpr int kExamsEach = 9;  // 2016 exams
+  IntervalCounts all;
+  std::uint64_t seed = 0;
+  for (const IntervalCase& of : interval_cases()) all += measure_intervals(of, kExamsEach, ++seed);
+  EXPECT_GE(all.exams, 2000);
   EXPECT_GE(all.covered, 0.93 * all.exams);
   EXPECT_LE(all.covered, 0.97 * all.exams);
   EXPECT_LE(all.width_percent, 1.5 * all.oracle_width_percent);
-}
-
-TEST(IntervalStudy, IsSafeWhereTheScatterOfOutlinesIsJudged) {
-  const auto rows = interval_study({.exams = 2000, .seed = 1, .outline_known = false});
-  std::cout << interval_study_text(rows);
-  EXPECT_GE(pooled(rows).covered, 0.93 * pooled(rows).exams);
+  EXPECT_GE(all.judged_covered, 0.93 * all.exams) << "where the scatter of outlines is judged";
 }
 
 TEST(NextOutlineStudy, NeedsFewerSections) {

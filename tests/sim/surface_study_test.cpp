@@ -147,12 +147,6 @@ TEST(RenderingVariation, OfRegularisedTrianglesIsLessThanHalfOfThatOfMarchingCub
       options.mesher = mesher;
       RenderingVariation& v = row[static_cast<std::size_t>(mesher)];
       v = rendering_variation(options, kSpacing, normals);
-      std::printf("| %s | %s | %zu | %.2f | %.2f | %.2f | %.2f |\n",
-                  normals == ShadingNormals::kField ? "field" : "triangles",
-                  mesher == Mesher::kCubes        ? "MC"
-                  : mesher == Mesher::kTetrahedra ? "MT"
-                                                  : "RMT",
-                  v.triangles, v.mean_image, v.mean_sphere, v.largest_sphere, v.border_percent);
     }
   }
   const auto at = [&](ShadingNormals normals, Mesher mesher) {

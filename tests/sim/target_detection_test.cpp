@@ -71,7 +71,8 @@ INSTANTIATE_TEST_SUITE_P(Targets, TargetDetection,
 
 TEST_P(TargetDetection, FindsWhatIsThereAndWhereItIs) {
   const auto [object, probe] = GetParam();
-  const TargetScanOptions options = target_options(object, 24, 7, probe);
+  TargetScanOptions options = target_scan_of(object, 24, 7);
+  options.probe = probe;
   const SimulatedTargetScan scan = simulate_target(options);
   const Found found = options.object == "wires"  ? wires_found(scan, options.phantom)
                       : options.object == "wall" ? wall_found(scan)

@@ -12,7 +12,7 @@ namespace fathom {
 namespace {
 
 TargetScanOptions up_and_down(int frames, double latency_s, std::uint64_t seed, double noise_mm) {
-  TargetScanOptions options = target_options("wall", frames, seed);
+  TargetScanOptions options = target_scan_of("wall", frames, seed);
   options.pattern = "floor";
   options.latency_s = latency_s;
   options.noise_mm = noise_mm;

@@ -83,7 +83,7 @@ class Run:
 
 class Viewer:
     def __init__(self, program, display, folder):
-        self.program, self.display, self.folder = program, display, Path(folder)
+        self.program, self.display, self.folder = str(Path(program).resolve()), display, Path(folder)
         self.config = self.folder / "config"
         self.runs = 0
 
@@ -102,7 +102,7 @@ class Viewer:
         """Replays events; what pictures and dumps they make is in the Run."""
         folder = self.write(events, window)
         process = subprocess.run([self.program, "view", *map(str, arguments), "--script", str(folder / "script.json")],
-                                 env=self.environment(), capture_output=True, text=True, timeout=100)
+                                 env=self.environment(), cwd=folder, capture_output=True, text=True, timeout=100)
         if not fails:
             assert process.returncode == 0, f"{folder}: {process.stderr}"
         return Run(folder, process)
@@ -112,7 +112,7 @@ class Viewer:
         folder = self.write(events, window)
         return folder, subprocess.Popen(
             [self.program, "view", *map(str, arguments), "--script", str(folder / "script.json")],
-            env=self.environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            env=self.environment(), cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def attempt(scenario, viewer, shared):
@@ -127,7 +127,7 @@ def attempt(scenario, viewer, shared):
     return fault
 
 
-def run_all(scenarios, program, prepare):
+def run_all(scenarios, program, prepare, at_once=2):
     """Every scenario in a folder of its own files; prints which failed. `prepare(program, folder)` gives what all use."""
     names = [argument for argument in sys.argv[2:] if not argument.startswith("--")]
     if "--sanitized" in sys.argv:  # the driver's own leaks are not ours, and everything takes ten times as long
@@ -135,7 +135,7 @@ def run_all(scenarios, program, prepare):
         scenarios = scenarios[::6]
     if names:
         scenarios = [scenario for scenario in scenarios if scenario.__name__ in names]
-    with tempfile.TemporaryDirectory() as top, Display() as display, ThreadPoolExecutor(2) as pool:
+    with tempfile.TemporaryDirectory() as top, Display() as display, ThreadPoolExecutor(at_once) as pool:
         shared = prepare(program, Path(top))
         jobs = []
         for scenario in scenarios:
