@@ -9,6 +9,7 @@ namespace fathom {
 namespace {
 
 constexpr int kSmoothing = 4;        // passes of a quarter, half, quarter: takes away stairs, leaves bends of 4 points
+constexpr int kRounds = 2;           // of going to the edge
 constexpr double kLeastReach = 1.0;  // pixels that the line may leave the path by: farther is another edge
 constexpr double kClose_px = 1.5;    // the path between a seed and its edge is no part of the outline
 constexpr double kSpacing_px = 2.0;  // of the line's points
@@ -38,6 +39,20 @@ Polygon thinned(const Polygon& line) {
   return kept;
 }
 
+/// Its points, moved by what `offset` says of each, in pixels to the right; the ends stay.
+template <typename Offset>
+Polygon shifted(const Polygon& line, const Offset& offset) {
+  Polygon moved = line;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    const Eigen::Vector2d along = line[i + 1] - line[i - 1];
+    if (!(along.norm() > 0.0)) continue;
+    const Eigen::Vector2d unit = along.normalized();
+    moved[i] += offset(line[i], unit) * right_of(unit);
+  }
+  smooth(moved, kSmoothing);
+  return moved;
+}
+
 }  // namespace
 
 Eigen::Vector2d direction_at(std::span<const Eigen::Vector2d> line, std::size_t index) {
@@ -63,17 +78,16 @@ Polygon wire_line(const EdgeMap& map, const EdgePreference& preference, std::spa
   line.push_back(to);
   if (line.size() < 4) return {from, to};
   smooth(line, kSmoothing);
-  Polygon moved = line;
+  // On the inside of bends the coarse path is farther off than the reach of one round; the first round shows the way.
   const double reach = std::max(kLeastReach, spacing_px);
-  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    const Eigen::Vector2d along = line[i + 1] - line[i - 1];
-    if (!(along.norm() > 0.0)) continue;
-    const Eigen::Vector2d unit = along.normalized();
-    const EdgePeak peak = edge_peak(map, preference, line[i], unit, reach);
-    moved[i] += ((peak.strength > 0.0 ? peak.offset_px : 0.0) + beside) * right_of(unit);
+  for (int round = 0; round < kRounds; ++round) {
+    const double aside = round + 1 == kRounds ? beside : 0.0;
+    line = shifted(line, [&](const Eigen::Vector2d& point, const Eigen::Vector2d& along) {
+      const EdgePeak peak = edge_peak(map, preference, point, along, reach);
+      return (peak.strength > 0.0 ? peak.offset_px : 0.0) + aside;
+    });
   }
-  smooth(moved, kSmoothing);
-  return thinned(moved);
+  return thinned(line);
 }
 
 }  // namespace fathom

@@ -14,6 +14,8 @@ namespace fathom {
 namespace {
 
 constexpr double kStep_px = 3.0;  // how far the pointer moves from one look at the wire to the next
+constexpr std::size_t kLooksOn =
+    7;  // so many looks at a wire that went astray before the user gives up: some 20 pixels
 constexpr int kMostClicks = 60;
 
 // Points at equal distances along a closed outline, from its topmost point on.
@@ -45,33 +47,36 @@ double distance_to(const Eigen::Vector2d& point, const Polygon& line, std::size_
   return nearest;
 }
 
-// Whether the wire keeps to the true outline between two places on it, and does not leave out a part of it.
-bool keeps_to(const Polygon& wire, const Polygon& walk, std::size_t first, std::size_t last, double tolerance_px) {
-  for (const Eigen::Vector2d& point : wire) {
-    if (distance_to(point, walk, first, last) > tolerance_px) return false;
-  }
+// How far apart the wire and the true outline between two places on it are on average, whichever is watched.
+double mean_gap_px(const Polygon& wire, const Polygon& walk, std::size_t first, std::size_t last) {
+  double from_wire = 0.0;
+  for (const Eigen::Vector2d& point : wire) from_wire += distance_to(point, walk, first, last);
+  double from_walk = 0.0;
   for (std::size_t i = first; i <= last; ++i) {
-    if (distance_to(walk[i % walk.size()], wire, 0, wire.size() - 1) > tolerance_px) return false;
+    from_walk += distance_to(walk[i % walk.size()], wire, 0, wire.size() - 1);
   }
-  return true;
+  return std::max(from_wire / static_cast<double>(wire.size()), from_walk / static_cast<double>(last - first + 1));
 }
 
 }  // namespace
 
-OutliningTrial scripted_outline(const cv::Mat& image, const Polygon& truth, double tolerance,
+OutliningTrial scripted_outline(const cv::Mat& image, const Polygon& truth, double wanted_dice,
                                 const LiveWireOptions& options) {
   const Polygon walk = walk_along(truth, kStep_px);
-  const double tolerance_px = tolerance * std::sqrt(std::abs(signed_area(truth)));
+  const double length_px = kStep_px * static_cast<double>(walk.size());
+  const double most_px = 2.0 * std::abs(signed_area(truth)) * (1.0 - wanted_dice) / length_px;
   LiveWire wire(image, options);
   OutliningTrial trial;
   wire.add_seed(walk.front());
   trial.clicks = 1;
   std::size_t at = 0;
   while (at < walk.size() && trial.clicks < kMostClicks) {
+    const auto holds = [&](std::size_t end) {
+      return mean_gap_px(wire.wire_to(walk[end % walk.size()]), walk, at, end) <= most_px;
+    };
     std::size_t reached = at + 1;
-    while (reached < walk.size() &&
-           keeps_to(wire.wire_to(walk[(reached + 1) % walk.size()]), walk, at, reached + 1, tolerance_px)) {
-      ++reached;
+    for (std::size_t end = at + 2; end <= std::min(walk.size(), reached + kLooksOn); ++end) {
+      if (holds(end)) reached = end;
     }
     ++trial.clicks;
     at = reached;
@@ -86,7 +91,7 @@ OutliningTrial scripted_outline(const cv::Mat& image, const Polygon& truth, doub
 }
 
 std::vector<OutliningTrial> live_wire_study(const SimulateOptions& scan_options, int every, double least_area_px,
-                                            double tolerance, const LiveWireOptions& options) {
+                                            double wanted_dice, const LiveWireOptions& options) {
   const SimulatedScan scan = simulate(scan_options);
   const RecordingHeader& header = scan.recording->header();
   std::map<int, std::vector<const Contour*>> by_frame;
@@ -98,7 +103,7 @@ std::vector<OutliningTrial> live_wire_study(const SimulateOptions& scan_options,
       return p.minCoeff() > 2.0 && p.x() < header.width - 3.0 && p.y() < header.height - 3.0;
     });
     if (frame % every != 0 || contours.size() != 1 || !within || std::abs(signed_area(truth)) < least_area_px) continue;
-    OutliningTrial trial = scripted_outline(scan.recording->image(frame), truth, tolerance, options);
+    OutliningTrial trial = scripted_outline(scan.recording->image(frame), truth, wanted_dice, options);
     trial.frame = frame;
     trials.push_back(trial);
   }

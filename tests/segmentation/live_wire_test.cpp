@@ -36,10 +36,10 @@ double farthest_from_circle(const Polygon& line) {
   return farthest;
 }
 
-TEST(LiveWire, FollowsAnEdgeWithinHalfAPixel) {
+TEST(LiveWire, FollowsAnEdgeBetweenThePixels) {
   LiveWire wire(disc_image(0.0));
   outline_disc(wire, 3);
-  EXPECT_LT(farthest_from_circle(wire.line()), 0.5);
+  EXPECT_LT(farthest_from_circle(wire.line()), 0.15);
   EXPECT_NEAR(std::abs(signed_area(wire.line())), std::numbers::pi * kRadius * kRadius, 15.0);
 }
 
