@@ -55,13 +55,23 @@ void Worker::cancel(const std::string& key) {
       if (task->job.key == key) task->cancelled = true;
     }
   }
-  const auto gone = [&](const auto& task) { return task->cancelled && !task->running; };
-  std::copy_if(tasks_.begin(), tasks_.end(), std::back_inserter(dropped), gone);
-  std::erase_if(tasks_, gone);
+  drop_cancelled(dropped);
 }
 
 void Worker::cancel_all() {
-  for (const JobStatus& status : jobs()) cancel(status.key);
+  std::vector<std::shared_ptr<Task>> dropped;  // destroyed outside of the lock
+  const std::lock_guard lock(mutex_);
+  for (const auto* list : {&tasks_, &finished_}) {
+    for (const auto& task : *list) task->cancelled = true;
+  }
+  drop_cancelled(dropped);
+}
+
+// Of those that wait; the caller holds the lock.
+void Worker::drop_cancelled(std::vector<std::shared_ptr<Task>>& dropped) {
+  const auto gone = [](const auto& task) { return task->cancelled && !task->running; };
+  std::copy_if(tasks_.begin(), tasks_.end(), std::back_inserter(dropped), gone);
+  std::erase_if(tasks_, gone);
 }
 
 std::shared_ptr<Worker::Task> Worker::next_task() {

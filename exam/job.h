@@ -43,9 +43,10 @@ class Worker {
 
   /// Takes the place of a job of the same key that waits; one that runs goes on, and this one comes after it.
   void start(Job job);
-  /// The running and the waiting job of this key: nothing of them is delivered any more, though a running one may go on
-  /// until it next reports.
+  /// The running and the waiting job of this key, and one that is done but not delivered: nothing of them is delivered
+  /// any more, though a running one may go on until it next reports.
   void cancel(const std::string& key);
+  /// The same for all keys.
   void cancel_all();
 
   /// Calls what finished jobs have to deliver. Returns how many did. Never waits for work.
@@ -60,6 +61,7 @@ class Worker {
   struct Task;
   void run();
   std::shared_ptr<Task> next_task();
+  void drop_cancelled(std::vector<std::shared_ptr<Task>>& dropped);
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;                 // for the threads

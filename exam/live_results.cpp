@@ -132,6 +132,7 @@ void LiveResults::request_surfaces() {
 
 void LiveResults::start_surface(std::size_t structure, Item& of, std::uint64_t revision) {
   of.requested = revision;
+  of.surface.cancelled = false;
   std::optional<Division> division;
   try {
     division = document_.division();
@@ -179,6 +180,12 @@ bool LiveResults::is_current(std::size_t structure) {
 void LiveResults::cancel_surface(std::size_t structure) {
   Item& of = item(structure);
   worker_.cancel(of.key);
+  of.surface.cancelled = !is_current(structure);
+}
+
+void LiveResults::retry_surface(std::size_t structure) {
+  Item& of = item(structure);
+  if (of.surface.cancelled) of.requested = 0;
 }
 
 void LiveResults::set_options(const ContourSurfaceOptions& options) {

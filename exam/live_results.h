@@ -21,6 +21,7 @@ struct LiveSurface {
   std::optional<double> volume_ml;
   std::vector<std::string> warnings;
   std::string fault;           ///< why the last attempt gave none; empty where it did
+  bool cancelled = false;      ///< the last attempt was stopped: mesh, if any, is of an earlier state
   std::uint64_t revision = 0;  ///< of the document, that mesh or fault are of
 };
 
@@ -46,8 +47,10 @@ class LiveResults {
   /// The last one that arrived, perhaps of an earlier state: see is_current.
   const LiveSurface& surface(std::size_t structure);
   bool is_current(std::size_t structure);
-  /// Stops the surface under way; the last one stays, and is not requested again until the structure changes.
+  /// Stops the surface under way; the last one stays, and is not requested again until the structure changes, or
+  /// retry_surface asks for it.
   void cancel_surface(std::size_t structure);
+  void retry_surface(std::size_t structure);
 
   /// For all surfaces that are made from now on.
   void set_options(const ContourSurfaceOptions& options);

@@ -81,6 +81,10 @@ void MeasurementsPane::draw_structure(Session& session, std::size_t index) {
     const bool measured = view->volumes.cubic_ml.has_value();
     if (!measured && !view->warnings.empty()) error_line(view->warnings.front());
     if (measured && !view->surface.fault.empty()) error_line("Surface: " + view->surface.fault);
+    if (view->surface.cancelled) {
+      warning_line("Surface: cancelled; what is shown is of an earlier state, if anything");
+      if (ui::button("Make the surface", "After all")) session.retry_surface(id);
+    }
     if (session.active_structure() == index) {
       draw_graph(session, index);
       for (const std::string& warning : view->warnings) warning_line(warning);

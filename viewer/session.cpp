@@ -21,6 +21,10 @@ void Session::cancel(const std::string& key) {
   worker_.cancel(key);
 }
 
+void Session::retry_surface(std::uint64_t id) {
+  if (structures_) structures_->retry_surface(*document_, id);
+}
+
 void Session::save() {
   attempt("save", [this] { start_saving(document_->begin_save(), "Saving"); });
 }

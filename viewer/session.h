@@ -42,6 +42,8 @@ class Session {
   const StructureView* find_structure(std::uint64_t id) const;
   /// Stops work under way, by its key.
   void cancel(const std::string& key);
+  /// Makes a structure's surface after all that was cancelled.
+  void retry_surface(std::uint64_t id);
 
   /// Opens an exam or recording, beside the frame. What is open stays until that is done, and where it fails.
   void open(const std::filesystem::path& path);

@@ -41,6 +41,7 @@ Json structure_json(const Session& session, std::size_t index) {
   json["surface_ml"] = number_or_null(view->surface.volume_ml);
   json["triangles"] = view->surface.mesh ? view->surface.mesh->triangles.size() : 0;
   json["surface_fault"] = view->surface.fault;
+  json["surface_cancelled"] = view->surface.cancelled;
   json["warnings"] = view->warnings;
   return json;
 }

@@ -39,6 +39,7 @@ void StructureViews::measure(const Document& document, std::size_t structure, St
 
 // Corners for the graphics card are made beside the frame, as they take longer than a frame may.
 void StructureViews::take_surface(std::uint64_t id, const LiveSurface& surface, StructureView& view, Worker& worker) {
+  view.surface.cancelled = surface.cancelled;
   if (surface.mesh == view.surface.mesh && surface.revision == view.surface.revision) return;
   const bool same_mesh = surface.mesh == view.surface.mesh;
   view.surface = surface;
@@ -64,6 +65,10 @@ void StructureViews::cancel(const Document& document, const std::string& key) {
   for (std::size_t i = 0; i < document.structures().size(); ++i) {
     if (key == "surface " + std::to_string(document.content().ids[i])) results_.cancel_surface(i);
   }
+}
+
+void StructureViews::retry_surface(const Document& document, std::uint64_t id) {
+  if (const auto structure = document.index_of(id)) results_.retry_surface(*structure);
 }
 
 }  // namespace fathom

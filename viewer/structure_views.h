@@ -41,6 +41,8 @@ class StructureViews {
   const StructureView* find(std::uint64_t id) const;
   /// As LiveResults::cancel_surface: `key` is that of its job.
   void cancel(const Document& document, const std::string& key);
+  /// As LiveResults::retry_surface.
+  void retry_surface(const Document& document, std::uint64_t id);
 
  private:
   void measure(const Document& document, std::size_t structure, StructureView& view);

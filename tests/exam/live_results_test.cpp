@@ -1,10 +1,8 @@
 #include "exam/live_results.h"
 
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
-#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -12,78 +10,12 @@
 #include "core/random.h"
 #include "core/text_file.h"
 #include "exam/results.h"
+#include "tests/exam/held_work.h"
 #include "tests/exam/scan.h"
 #include "tests/scratch_folder.h"
 
 namespace fathom {
 namespace {
-
-TEST(Jobs, DeliverOnTheThreadThatPolls) {
-  Worker worker;
-  const auto here = std::this_thread::get_id();
-  std::thread::id worked;
-  std::thread::id delivered;
-  worker.start({"a",
-                "A",
-                [&](const Progress&) -> std::function<void()> {
-                  worked = std::this_thread::get_id();
-                  return [&] { delivered = std::this_thread::get_id(); };
-                },
-                {}});
-  worker.finish();
-  EXPECT_NE(worked, here);
-  EXPECT_EQ(delivered, here);
-  EXPECT_TRUE(worker.idle());
-}
-
-TEST(Jobs, OfOneKeyOnlyTheNewestWaits) {
-  Worker worker(2);
-  std::atomic<bool> go = false;
-  std::atomic<bool> begun = false;
-  std::vector<int> delivered;
-  const auto job = [&](int number) -> Job {
-    return {"surface",
-            "Surface",
-            [&, number](const Progress&) -> std::function<void()> {
-              begun = true;
-              while (!go) std::this_thread::yield();
-              return [&, number] { delivered.push_back(number); };
-            },
-            {}};
-  };
-  worker.start(job(0));
-  while (!begun) std::this_thread::yield();
-  for (int i = 1; i <= 100; ++i) worker.start(job(i));
-  EXPECT_EQ(worker.jobs().size(), 2u) << "one runs, one waits";
-  go = true;
-  worker.finish();
-  EXPECT_EQ(delivered, (std::vector{0, 100}));
-}
-
-TEST(Jobs, CanBeCancelledAndSayWhatWentWrong) {
-  Worker worker;
-  std::atomic<bool> begun = false;
-  bool delivered = false;
-  std::string fault;
-  worker.start({"long", "Long",
-                [&](const Progress& progress) -> std::function<void()> {
-                  for (;;) {
-                    report(progress, 0.25);
-                    begun = true;
-                  }
-                },
-                [&](const std::string&) { delivered = true; }});
-  while (!begun) std::this_thread::yield();
-  ASSERT_EQ(worker.jobs().size(), 1u);
-  EXPECT_EQ(worker.jobs()[0].fraction, 0.25);
-  worker.cancel("long");
-  worker.finish();
-  EXPECT_FALSE(delivered) << "cancelled is no fault";
-  worker.start({"bad", "Bad", [](const Progress&) -> std::function<void()> { throw Error("scan.mha: is damaged"); },
-                [&](const std::string& error) { fault = error; }});
-  worker.finish();
-  EXPECT_EQ(fault, "scan.mha: is damaged");
-}
 
 Polygon blob(double x, double y, double radius, int points) {
   Polygon polygon;
@@ -217,6 +149,45 @@ TEST_F(Live, SurfacesEqualThoseMadeFromScratch) {
     worker_.poll();
   }
   expect_from_scratch();
+}
+
+TEST_F(Live, CancelledSurfacesNeverArriveUntilAskedForAgain) {
+  // Whether it still waits or is done and about to be delivered; what is in between is Jobs' own test.
+  for (const bool waits : {true, false}) {
+    LiveResults live(*document_, worker_);
+    live.set_options(coarse());
+    HeldWork held;
+    if (waits) worker_.start(held.job("before it"));
+    live.request_surfaces();
+    if (!waits) wait_until_done(worker_);
+    live.cancel_surface(0);
+    if (waits) held.go.open();
+    live.request_surfaces();
+    worker_.finish();
+    EXPECT_FALSE(live.surface(0).mesh);
+    EXPECT_FALSE(live.surface(0).volume_ml);
+    EXPECT_TRUE(live.surface(0).cancelled);
+    EXPECT_FALSE(live.is_current(0));
+    live.retry_surface(0);
+    live.request_surfaces();
+    worker_.finish();
+    ASSERT_TRUE(live.surface(0).mesh);
+    EXPECT_FALSE(live.surface(0).cancelled);
+    EXPECT_TRUE(live.is_current(0));
+  }
+}
+
+TEST_F(Live, AfterACancelAnEditBringsTheSurface) {
+  LiveResults live(*document_, worker_);
+  live.set_options(coarse());
+  live.request_surfaces();
+  live.cancel_surface(0);
+  document_->replace_contour(0, 3, {4, blob(95, 50, 14, 30), true, {}, 0});
+  live.request_surfaces();
+  worker_.finish();
+  ASSERT_TRUE(live.is_current(0));
+  ContourSurface anew(document_->scan()->locators[0], coarse());
+  EXPECT_EQ(live.surface(0).mesh->vertices, anew.update(document_->structures()[0]).vertices);
 }
 
 TEST_F(Live, ASurfaceThatCannotBeMadeLeavesTheLastOneAndSaysWhy) {
