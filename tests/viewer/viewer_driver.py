@@ -24,8 +24,9 @@ class Display:
         if shutil.which("Xvfb") is None:
             skip("there is no Xvfb (Debian package xvfb)")
         read, write = os.pipe()
+        # Without -noreset a client that comes as the last one leaves may find no server.
         self.server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1600x1200x24", "-nolisten", "tcp"],
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1600x1200x24", "-nolisten", "tcp", "-noreset"],
             pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as pipe:
