@@ -14,7 +14,7 @@ namespace {
 constexpr int kFrames = 69;
 constexpr int kEvery = 4;  // frames from one outline to the next: 16 outlines and the two ends; published: 15 to 20
 constexpr double kLeastArea_px = 300.0;  // smaller sections are not outlined
-constexpr double kTolerance = 0.02;      // of the root of its area, to which an outline is followed
+constexpr double kWantedDice = 0.98;     // of an outline that is followed by wire
 constexpr double kJitter_mm = 0.5;       // of the hand
 constexpr double kJitter_deg = 0.5;
 constexpr double kNoise_mm = 0.25;  // of the tracker
@@ -58,7 +58,7 @@ BladderScan scan_bladder(const BladderPatient& patient, std::size_t number, std:
 }
 
 OutliningTrial live_wire_outline(const cv::Mat& image, const Contour& truth) {
-  OutliningTrial trial = scripted_outline(image, truth.points_px, kTolerance);
+  OutliningTrial trial = scripted_outline(image, truth.points_px, kWantedDice);
   trial.frame = truth.frame;
   return trial;
 }
