@@ -19,21 +19,6 @@ constexpr double kWrong_mm = 15.0;  // on each axis, standard deviation
 constexpr double kWrong_rad = 0.1;  // about each axis
 constexpr int kLongestLoss = 12;    // frames in a row: half a second with the sensor covered
 
-Eigen::Vector3d gaussian_vector(Random& random, double sigma) {
-  Eigen::Vector3d vector;
-  for (int axis = 0; axis < 3; ++axis) vector[axis] = random.normal();
-  return vector * sigma;
-}
-
-void displace(Eigen::Isometry3d& pose, double mm, double rad, Random& random) {
-  const Eigen::Vector3d shift = gaussian_vector(random, mm);
-  const Eigen::Vector3d turn = gaussian_vector(random, rad);
-  pose.translation() += shift;
-  if (turn.norm() > 0.0) {
-    pose.linear() = (pose.linear() * Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()).eval();
-  }
-}
-
 /// `share` of `count` frames, to the nearest frame, in runs of up to `longest`.
 std::vector<bool> chosen(std::size_t count, double share, int longest, Random random) {
   std::vector<bool> marked(count, false);
@@ -50,6 +35,21 @@ std::vector<bool> chosen(std::size_t count, double share, int longest, Random ra
 }
 
 }  // namespace
+
+Eigen::Vector3d gaussian_vector(Random& random, double sigma) {
+  Eigen::Vector3d vector;
+  for (int axis = 0; axis < 3; ++axis) vector[axis] = random.normal();
+  return vector * sigma;
+}
+
+void displace(Eigen::Isometry3d& pose, double mm, double rad, Random& random) {
+  const Eigen::Vector3d shift = gaussian_vector(random, mm);
+  const Eigen::Vector3d turn = gaussian_vector(random, rad);
+  pose.translation() += shift;
+  if (turn.norm() > 0.0) {
+    pose.linear() = (pose.linear() * Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()).eval();
+  }
+}
 
 void require_within(const char* what, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return;  // false for what is not a number

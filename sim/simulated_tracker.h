@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "acquisition/recording.h"
+#include "core/random.h"
 
 namespace fathom {
 
@@ -32,6 +33,15 @@ void require_within(const char* what, double value, double low, double high, con
 
 inline constexpr double kFrameRate_hz = 25.0;
 inline constexpr double kFirstTime_s = 3.52;  ///< a recording seldom starts with the clock
+
+/// What "0.25 mm of noise" means for orientation: 0.15 degrees (Treece 2000).
+inline constexpr double kTurnOfNoise_deg_per_mm = 0.6;
+
+/// A vector whose components are Gaussian with this standard deviation.
+Eigen::Vector3d gaussian_vector(Random& random, double sigma);
+
+/// A pose as a tracker with noise gives it: shifted and turned by Gaussian errors on and about each axis.
+void displace(Eigen::Isometry3d& pose, double mm, double rad, Random& random);
 
 /// The pose that turns about `turn_rad`'s direction by its length, then shifts.
 Eigen::Isometry3d placed(const Eigen::Vector3d& turn_rad, const Eigen::Vector3d& place_mm);

@@ -155,12 +155,10 @@ StudyTable methods_table(const std::vector<BladderResults>& patients) {
   table.remark =
       "The first eight scans; the last two, of a bladder that was emptied to its last twentieth, by themselves. "
       "Sweeps of 69 frames with tracker noise of 0.25 mm and 0.15 degrees; every fourth frame is outlined, by a "
-      "scripted "
-      "user of the live-wire who wants a Dice of 0.98: " +
+      "scripted user of the live-wire who wants a Dice of 0.98: " +
       text_of(clicks, 1) + " clicks for an outline, Dice " + text_of(dice, 3) +
       ". Repeatability: deviation of one scan of a pair from the other, with a hand and noise of its own. Not in it: "
-      "errors "
-      "of the calibration (study chain), and a patient who moves.";
+      "errors of the calibration (study chain), and a patient who moves.";
   return table;
 }
 

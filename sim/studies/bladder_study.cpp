@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/studies/planimetry_study.h"
+#include "sim/studies/study_json.h"
 
 namespace fathom {
 
@@ -36,10 +37,6 @@ Json volumes_json(const std::vector<std::optional<double>>& volumes_ml) {
     json[kVolumeMethods[kBladderMethods[m]].name] = volumes_ml[m] ? Json(*volumes_ml[m]) : Json(nullptr);
   }
   return json;
-}
-
-double number_of(const Json& value) {
-  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
 
 std::vector<BladderResults> results_of(const StudyOptions& options, const std::vector<Json>& results) {

@@ -12,6 +12,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "sim/studies/seen_target.h"
+#include "sim/studies/study_json.h"
 
 namespace fathom {
 
@@ -21,7 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kFrames = 250;  // ten seconds
 constexpr int kStep = 4;      // every fourth image is looked at
-constexpr int kTenth = 10;
 constexpr double kNoise_px = 1.0;
 constexpr double kMostLatency_s = 0.3;
 constexpr double k95 = 1.96;
@@ -48,10 +48,6 @@ CalibrationCase case_of(int index) {
   const auto i = static_cast<std::size_t>(index);
   return {&kTargets.at(i / kNoises_mm.size() % kTargets.size()), kNoises_mm.at(i % kNoises_mm.size()),
           i >= kTargets.size() * kNoises_mm.size()};
-}
-
-int runs_of(const CalibrationCase& of, const StudyOptions& options) {
-  return of.images ? std::max(1, options.samples / kTenth) : options.samples;
 }
 
 ScanFitOptions fitting_of(const CalibrationCase& of) {
@@ -179,12 +175,8 @@ class CalibrationStudy final : public Study {
 
   Json run_case(const StudyOptions& options, int index) const override {
     const CalibrationCase of = case_of(index);
-    Random seeds(case_seed(options, index));
-    Json runs = Json::array();
-    for (int run = 0; run < runs_of(of, options); ++run) {
-      runs.push_back(run_one(of, static_cast<std::uint64_t>(0x1p53 * seeds.uniform())));
-    }
-    return {{"runs", std::move(runs)}};
+    return repeated(repetitions(options, of.images), case_seed(options, index),
+                    [&](std::uint64_t seed) { return run_one(of, seed); });
   }
 
   Json rows(const StudyOptions&, const std::vector<Json>& results) const override {

@@ -23,8 +23,7 @@ namespace fathom {
 
 namespace {
 
-constexpr double kTurnOfNoise = 0.6;  // degrees for each mm
-constexpr int kPhantomFrames = 250;   // ten seconds
+constexpr int kPhantomFrames = 250;  // ten seconds
 constexpr int kPhantomStep = 4;
 constexpr int kOrganFrames = 150;  // six seconds
 
@@ -35,7 +34,7 @@ SimulateOptions scan_options(const ChainScan& scan, double latency_s, double noi
   options.frames = kOrganFrames;
   options.latency_s = latency_s;
   options.noise_mm = noise_mm;
-  options.noise_deg = kTurnOfNoise * noise_mm;
+  options.noise_deg = kTurnOfNoise_deg_per_mm * noise_mm;
   options.seed = seed;
   return options;
 }
@@ -192,7 +191,7 @@ ChainVolumes MeasuringSystem::measure(const ChainScan& of, int sections, std::ui
   const double none = std::numeric_limits<double>::quiet_NaN();
   volumes.all_ml = measured.quadric_ml.value_or(none);
   volumes.all_cubic_ml = measured.cubic_ml.value_or(none);
-  const MeasurementErrors known{errors_.outline_mm, errors_.tracker_mm, kTurnOfNoise * errors_.tracker_mm};
+  const MeasurementErrors known{errors_.outline_mm, errors_.tracker_mm, kTurnOfNoise_deg_per_mm * errors_.tracker_mm};
   const auto spread_ml = calibration_spread_ml(all, *noisy.recording, found, {});
   const auto interval = volume_interval(cut, section_places(all, cut, locator, found), known, spread_ml.value_or(0.0));
   volumes.low_ml = interval ? interval->low_ml : none;

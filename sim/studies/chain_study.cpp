@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "core/numbers.h"
 #include "sim/studies/chain_links.h"
 #include "sim/studies/scan_picture.h"
+#include "sim/studies/study_json.h"
 
 namespace fathom {
 
@@ -28,11 +28,6 @@ std::vector<ChainScan> scans() {
 }
 
 bool is_organ(const ChainScan& scan) { return scan.object == "bladder" || scan.object == "kidney"; }
-
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-double number_of(const Json& value) {
-  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
-}
 
 Json json_of(const ChainScan& scan, const ChainVolumes& volumes) {
   Json links;

@@ -67,10 +67,7 @@ Spread spread_of(const std::vector<double>& errors) {
           quantile(errors, 0.75),          *largest};
 }
 
-std::string percent_text(double percent) {
-  const std::string text = format_rounded(percent, 2);
-  return text.starts_with('-') ? text : "+" + text;
-}
+std::string percent_text(double percent) { return format_signed(percent, 2); }
 
 std::string range_text(double low, double high) { return percent_text(low) + " to " + percent_text(high) + " %"; }
 

@@ -11,6 +11,7 @@
 #include "core/random.h"
 #include "measurement/planimetry.h"
 #include "measurement/volume_interval.h"
+#include "sim/simulated_tracker.h"
 #include "sim/studies/planimetry_study.h"
 
 namespace fathom {
@@ -22,7 +23,6 @@ using Json = nlohmann::ordered_json;
 constexpr int kFewest = 5;
 constexpr int kMost = 20;
 constexpr double kMostNoise_mm = 0.3;
-constexpr double kTurnOfNoise = 0.15 / 0.25;  // degrees for each mm: what "0.25 mm noise" means (Treece 2000)
 constexpr int kOracleSamples = 200;
 constexpr double k95 = 1.96;
 
@@ -48,20 +48,14 @@ Exam true_exam(const IntervalCase& of) {
   return exam;
 }
 
-Eigen::Vector3d normal_vector(Random& random, double rms) {
-  const double sd = rms / std::sqrt(3.0);
-  const double x = random.normal();
-  const double y = random.normal();
-  return sd * Eigen::Vector3d(x, y, random.normal());
-}
-
 // The same sections as a tracker with noise and an outliner with scatter would have made them.
 std::vector<CrossSection> disturbed(const Exam& exam, const MeasurementErrors& errors, Random& random) {
   std::vector<CrossSection> sections = exam.sections;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     CrossSection& section = sections[i];
-    const Eigen::Vector3d turn = normal_vector(random, errors.tracker_deg * std::numbers::pi / 180.0);
-    const Eigen::Vector3d shift = normal_vector(random, errors.tracker_mm);
+    const Eigen::Vector3d turn =
+        gaussian_vector(random, errors.tracker_deg * std::numbers::pi / 180.0 / std::sqrt(3.0));
+    const Eigen::Vector3d shift = gaussian_vector(random, errors.tracker_mm / std::sqrt(3.0));
     const double grown_mm = *errors.outline_mm * random.normal();
     const Eigen::AngleAxisd rotation(turn.norm(), turn.norm() > 0.0 ? turn.normalized() : Eigen::Vector3d::UnitX());
     const double area = section.vector_area_mm2.norm();
@@ -91,7 +85,7 @@ double rms_error_ml(const Exam& exam, const MeasurementErrors& errors, Random& r
 bool add_exam(const Exam& exam, Random& random, IntervalCounts& counts) {
   MeasurementErrors errors;
   errors.tracker_mm = kMostNoise_mm * random.uniform();
-  errors.tracker_deg = kTurnOfNoise * errors.tracker_mm;
+  errors.tracker_deg = kTurnOfNoise_deg_per_mm * errors.tracker_mm;
   errors.outline_mm = kMostNoise_mm * random.uniform();
   const std::vector<CrossSection> sections = disturbed(exam, errors, random);
   MeasurementErrors judged = errors;

@@ -14,6 +14,7 @@
 #include "core/statistics.h"
 #include "registration/temporal_motion.h"
 #include "sim/studies/seen_target.h"
+#include "sim/studies/study_json.h"
 
 namespace fathom {
 
@@ -22,12 +23,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<double, 3> kNoises_mm = {0.0, 0.25, 0.5};
-constexpr double kTurnOfNoise = 0.6;  // degrees for each mm
 constexpr double kDepthNoise_px = 0.5;
 constexpr double kMostLatency_s = 0.48;
 constexpr int kDrawnFrames = 500;
 constexpr int kImageFrames = 300;
-constexpr int kTenth = 10;
 constexpr double k95 = 1.96;
 constexpr double kGoal_ms = 2.0;
 
@@ -39,10 +38,6 @@ struct LatencyCase {
 LatencyCase case_of(int index) {
   const auto i = static_cast<std::size_t>(index);
   return {kNoises_mm.at(i % kNoises_mm.size()), i >= kNoises_mm.size()};
-}
-
-int runs_of(const LatencyCase& of, const StudyOptions& options) {
-  return of.images ? std::max(1, options.samples / kTenth) : options.samples;
 }
 
 /// The floor's true depth in the middle column, and noise.
@@ -66,7 +61,7 @@ Json run_one(const LatencyCase& of, std::uint64_t seed) {
   options.pattern = "floor";
   options.latency_s = random.uniform(-kMostLatency_s, kMostLatency_s);
   options.noise_mm = of.noise_mm;
-  options.noise_deg = kTurnOfNoise * of.noise_mm;
+  options.noise_deg = kTurnOfNoise_deg_per_mm * of.noise_mm;
   const SimulatedTargetScan scan = simulate_target(options);
   const Recording& recording = *scan.recording;
   try {
@@ -164,12 +159,8 @@ class LatencyStudy final : public Study {
 
   Json run_case(const StudyOptions& options, int index) const override {
     const LatencyCase of = case_of(index);
-    Random seeds(case_seed(options, index));
-    Json runs = Json::array();
-    for (int run = 0; run < runs_of(of, options); ++run) {
-      runs.push_back(run_one(of, static_cast<std::uint64_t>(0x1p53 * seeds.uniform())));
-    }
-    return {{"runs", std::move(runs)}};
+    return repeated(repetitions(options, of.images), case_seed(options, index),
+                    [&](std::uint64_t seed) { return run_one(of, seed); });
   }
 
   Json rows(const StudyOptions&, const std::vector<Json>& results) const override {

@@ -14,8 +14,6 @@ namespace fathom {
 
 namespace {
 
-constexpr double kTurnOfNoise = 0.6;  // degrees for each mm
-
 /// Every `step`th image of a scan: the others are marked invalid, and need not be made.
 class ThinnedRecording : public Recording {
  public:
@@ -50,22 +48,6 @@ WallLine line_through(int frame, const Eigen::Vector2d& left, const Eigen::Vecto
   line.direction = (right - left).normalized();
   line.reach_px = (right - left).norm() / std::sqrt(12.0);  // of columns spread evenly between them
   return line;
-}
-
-std::optional<Eigen::Isometry3d> disturbed(const std::optional<Eigen::Isometry3d>& pose, double noise_mm,
-                                           Random& random) {
-  if (!pose) return pose;
-  const auto vector = [&random](double rms) -> Eigen::Vector3d {
-    const double x = random.normal();
-    const double y = random.normal();
-    return rms / std::sqrt(3.0) * Eigen::Vector3d(x, y, random.normal());
-  };
-  const Eigen::Vector3d shift_mm = vector(noise_mm);
-  const Eigen::Vector3d turn_rad = vector(kTurnOfNoise * noise_mm * std::numbers::pi / 180.0);
-  Eigen::Isometry3d result = *pose;
-  if (turn_rad.norm() > 0.0) result.rotate(Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized()));
-  result.translation() += shift_mm;
-  return result;
 }
 
 SpatialState true_state(const Calibration& calibration) {
@@ -157,7 +139,11 @@ SeenTarget SeenTarget::drawn(const TargetScanOptions& options, double noise_px, 
 SpatialFit SeenTarget::fitted(double noise_mm, std::uint64_t tracker_seed, const ScanFitOptions& fitting) const {
   Random random(tracker_seed);
   auto poses = seen_.poses.poses();
-  for (auto& pose : poses) pose = disturbed(pose, noise_mm, random);
+  const double each_mm = noise_mm / std::sqrt(3.0);  // axis, of a distance in space
+  const double each_rad = kTurnOfNoise_deg_per_mm * each_mm * std::numbers::pi / 180.0;
+  for (auto& pose : poses) {
+    if (pose) displace(*pose, each_mm, each_rad, random);
+  }
   CalibrationScan tracked = seen_;
   tracked.poses = ProbePoses(seen_.poses.recording(), std::move(poses), seen_.poses.times_s());
   return calibrate_scan(tracked, phantom_, fitting);

@@ -1,10 +1,10 @@
 #include "sim/studies/sweeps_table.h"
 
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+
+#include "sim/studies/study_json.h"
 
 namespace fathom {
 
@@ -22,12 +22,6 @@ constexpr Figure kFigures[] = {{"linear_percent", &SweepsMeasurement::linear_per
                                {"quadric_percent", &SweepsMeasurement::quadric_percent},
                                {"cut_off_mm", &SweepsMeasurement::cut_off_mm},
                                {"missing_percent", &SweepsMeasurement::missing_percent}};
-
-Json number_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-double number_of(const Json& value) {
-  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
-}
 
 Json json_of(const SweepsMeasurement& measurement) {
   Json json = {{"frames", measurement.frames}, {"sections", measurement.sections}};

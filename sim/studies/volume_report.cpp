@@ -62,12 +62,6 @@ int count_of(const std::optional<int>& planes) { return planes.value_or(kMostPla
 
 std::string planes_text(const std::optional<int>& planes) { return planes ? std::to_string(*planes) : "-"; }
 
-std::string percent_text(double percent, int decimals) {
-  if (!std::isfinite(percent)) return "-";
-  const std::string text = format_rounded(percent, decimals);
-  return text.starts_with('-') ? text : "+" + text;
-}
-
 std::string name_of(const VolumeRow& row) { return row.printed.object + " " + row.printed.pattern; }
 
 // "12 [7] (11)": sustained, the first where it comes earlier, published.
@@ -82,9 +76,9 @@ std::string count_cell(const VolumeRow& row, std::size_t method) {
 }
 
 std::string error_cell(const VolumeRow& row, std::size_t method) {
-  const std::string text = percent_text(row.methods[method].error_percent_at_20, 2);
+  const std::string text = format_signed(row.methods[method].error_percent_at_20, 2);
   const auto& published = row.printed.published[method];
-  return published ? text + " (" + percent_text(published->error_percent_at_20, 1) + ")" : text;
+  return published ? text + " (" + format_signed(published->error_percent_at_20, 1) + ")" : text;
 }
 
 int planes_more(const VolumeRow& row, std::size_t method) {
@@ -131,7 +125,7 @@ void add_tables(const std::vector<VolumeRow>& rows, StudyReport& report) {
   add("rms", "Error, rms over 17 to 20 planes (%): planimetry",
       "With the sign of the mean: single errors may cross zero by luck.",
       table_of(rows, kLinear, kQuadric, [](const VolumeRow& row, std::size_t m) {
-        return percent_text(row.methods[m].rms_percent_17_to_20, 3);
+        return format_signed(row.methods[m].rms_percent_17_to_20, 3);
       }));
   add("surface-planes", "Planes needed for an error below 1 %: surfaces", "As above; the last column is not published.",
       table_of(rows, kPlanimetryMethods, kCurvedDiscs, count_cell));
