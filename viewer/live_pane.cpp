@@ -75,12 +75,16 @@ bool LivePane::draw(Session& session, Settings& settings) {
   const ImVec2 low = ImGui::GetWindowPos();
   ui::note("pane:Live", low, {low.x + ImGui::GetWindowWidth(), low.y + ImGui::GetWindowHeight()});
   draw_sources(session, settings);
+  // What is pressed stands above what grows: warnings must not push it away.
   if (live_.connected()) {
-    draw_statistics();
     ImGui::Separator();
     draw_recorder(session);
   }
   const bool review = draw_verdict(session);
+  if (live_.connected()) {
+    ImGui::Separator();
+    draw_statistics();
+  }
   ImGui::EndChild();
   ImGui::SameLine();
   draw_image();
@@ -131,10 +135,13 @@ void LivePane::draw_statistics() {
     colored(good ? kGood : kBad, text);
   }
   if (!now.transforms.empty() && !now.tracked) colored(kBad, "The probe is not tracked");
+  if (!now.geometry_fault.empty()) {
+    colored(kBad, now.geometry_fault + ": frames are not valid; connect again, with the calibration of this setting");
+  }
   const std::vector<SessionEvent> events = live_.events();
   const std::size_t first = events.size() > 3 ? events.size() - 3 : 0;
   for (std::size_t i = first; i < events.size(); ++i) {
-    if (events[i].warning) colored(kDoubtful, events[i].message);
+    if (events[i].warning && !events[i].geometry) colored(kDoubtful, events[i].message);  // that is told above
   }
 }
 
@@ -152,16 +159,6 @@ void LivePane::draw_recorder(Session& session) {
   const RecorderStatus status = live_.status();
   const bool running = status.state == RecorderState::kRecording;
   colored(running ? kGood : kDoubtful, text_of(status, gated_));
-  ImGui::Text("%llu frames, %.1f s, sweep %d", static_cast<unsigned long long>(status.frames), status.duration_s,
-              status.sweep + 1);
-  if (status.invalid_frames > 0) colored(kDoubtful, std::to_string(status.invalid_frames) + " not valid");
-  if (status.dropped_frames > 0)
-    colored(kBad, std::to_string(status.dropped_frames) + " dropped: the disk is too slow");
-  if (status.minutes_left) {
-    colored(*status.minutes_left < 5.0 ? kBad : kGood,
-            "disk for " + format_rounded(*status.minutes_left, 0) + " more minutes");
-  }
-  if (!status.message.empty()) colored(kDoubtful, status.message);
   if (status.state == RecorderState::kPaused) {
     if (ui::button("Go on", "With another sweep")) live_.go_on();
   } else if (ui::button("Pause", nullptr, false, status.state != RecorderState::kEnded)) {
@@ -174,6 +171,16 @@ void LivePane::draw_recorder(Session& session) {
     live_.end(session.worker(), [&session](const std::string& error) { session.say("recording", error); });
     folder_.clear();
   }
+  ImGui::Text("%llu frames, %.1f s, sweep %d", static_cast<unsigned long long>(status.frames), status.duration_s,
+              status.sweep + 1);
+  if (status.invalid_frames > 0) colored(kDoubtful, std::to_string(status.invalid_frames) + " not valid");
+  if (status.dropped_frames > 0)
+    colored(kBad, std::to_string(status.dropped_frames) + " dropped: the disk is too slow");
+  if (status.minutes_left) {
+    colored(*status.minutes_left < 5.0 ? kBad : kGood,
+            "disk for " + format_rounded(*status.minutes_left, 0) + " more minutes");
+  }
+  if (!status.message.empty()) colored(kDoubtful, status.message);
 }
 
 bool LivePane::draw_verdict(Session& session) {

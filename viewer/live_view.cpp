@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "acquisition/live/default_sources.h"
+#include "registration/geometry_watch.h"
 #include "registration/judge_folder.h"
 
 namespace fathom {
@@ -67,7 +68,9 @@ void LiveView::connect(const std::string& images, const std::string& tracker) {
   shown_ = 0;
   auto image_source = sources_.make(images);
   auto tracker_source = tracker.empty() || tracker == images ? nullptr : sources_.make(tracker);
-  auto session = std::make_unique<LiveSession>(std::move(image_source), std::move(tracker_source));
+  SessionOptions options;
+  options.watch_geometry = watching(std::make_shared<GeometryWatch>());
+  auto session = std::make_unique<LiveSession>(std::move(image_source), std::move(tracker_source), options);
   session->add(*listener_);
   session->start();
   session_ = std::move(session);

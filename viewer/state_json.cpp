@@ -98,6 +98,7 @@ Json live_json(const LiveView& live) {
     json["rate_hz"] = now.images.rate_hz;
     json["tracked"] = now.tracked;
     json["transforms"] = now.transforms.size();
+    json["geometry_fault"] = now.geometry_fault;
   }
   if (live.recording()) {
     json["frames"] = live.status().frames;

@@ -182,12 +182,18 @@ def speckled(box, count, numbers):
         yield bytes(image)
 
 
-def depth_changed(program, folder, tally):
+def deeper_recording(folder):
+    """A scanner that is set to another depth after 100 frames: its file, and its images."""
     numbers = random.Random(8)
     images = [*speckled(SCANNER_BOX, 100, numbers), *speckled(DEEPER_BOX, 110, numbers)]
     path = folder / "deeper.mha"
     path.write_bytes(recording("Probe", [i / RATE_HZ for i in range(len(images))], [pose(i) for i in range(len(images))],
                                images, (WIDTH, HEIGHT)))
+    return path, images
+
+
+def depth_changed(program, folder, tally):
+    path, images = deeper_recording(folder)
     record = Record(program, folder / "depth", "--image", f"replay:{path}?speed=2")
     result = record.end()
     fault = result.get("geometry_fault") or ""

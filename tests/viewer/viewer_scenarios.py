@@ -11,6 +11,8 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "cli"))
+from unplugged_devices import deeper_recording  # noqa: E402
 from viewer_driver import DUMP, IDLE, at, picture, run_all  # noqa: E402
 
 
@@ -462,6 +464,20 @@ def live_sweep_is_recorded_and_reviewed(viewer, shared):
     assert (target / "sweep.mhd").exists() and run.state()["view"]["frames"] == run.state("ended")["live"]["verdict"]["frames"]
 
 
+def another_depth_ends_the_use_of_the_calibration(viewer, shared):
+    path, _ = deeper_recording(viewer.folder)
+    target = viewer.folder / "sweep"
+    run = viewer.run(window=(1000, 760), events=[
+        {"frames": 3}, {"key": "F4"}, {"frames": 3}, {"click": "image source"}, {"key": "Ctrl+A"},
+        {"text": f"replay:{path}?speed=2"}, {"click": "Connect"}, {"wait_s": 0.3}, {"dump": "before.json"},
+        {"click": "recording folder"}, {"key": "Ctrl+A"}, {"text": str(target)}, {"click": "Record"}, {"wait_s": 3.5},
+        DUMP, {"click": "End"}, IDLE, {"frames": 3}])
+    assert run.state("before")["live"]["geometry_fault"] == ""
+    assert "depth" in run.state()["live"]["geometry_fault"], run.state()["live"]
+    header = (target / "sweep.mhd").read_text()
+    assert "GeometryFault = " in header and "ImageStatus = INVALID" in header
+
+
 def missing_source_is_a_message(viewer, shared):
     run = viewer.run(events=[{"frames": 3}, {"key": "F4"}, {"frames": 3}, {"click": "image source"}, {"key": "Ctrl+A"},
                              {"text": "replay:nothing.mha"}, {"click": "Connect"}, {"frames": 3}, DUMP])
@@ -514,7 +530,8 @@ SCENARIOS = [
     undone_after_saving_and_loading, points_moved_inserted_and_deleted, outline_pushed_with_the_brush, hole_is_subtracted,
     crossing_outline_is_refused_beside_it, absent_and_extremity_marks, second_structure_has_its_own_outlines,
     space_is_turned, dividing_plane_moves_hatching_and_volume, rulers_measure, reslice_planes_follow_their_handles,
-    work_is_found_again_after_a_kill, live_sweep_is_recorded_and_reviewed, missing_source_is_a_message,
+    work_is_found_again_after_a_kill, live_sweep_is_recorded_and_reviewed, another_depth_ends_the_use_of_the_calibration,
+    missing_source_is_a_message,
     light_and_larger, panes_are_resized_and_kept, help_page_shows_the_keys, saved_as_an_exam,
     faults_are_messages_and_the_exam_stays, no_display_is_a_clear_line, damaged_scripts_are_refused,
 ]
