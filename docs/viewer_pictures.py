@@ -64,8 +64,8 @@ def main():
             IDLE, {"click": "Dividing planes"}, {"click": "Place planes"}, IDLE, {"frames": 3}, picture("viewer-planes")])
         live = viewer.run(window=WINDOW, events=[
             {"frames": 3}, {"key": "F4"}, {"frames": 3}, {"click": "image source"},
-            {"text": f"replay:{folder / 'scan.mha'}"}, {"click": "Connect"}, {"wait_s": 1.0}, {"click": "recording folder"},
-            {"key": "Ctrl+A"}, {"text": str(folder / "sweep")}, {"click": "Record"}, {"wait_s": 1.0}, picture("viewer-live")])
+            {"text": "replay:../scan.mha"}, {"click": "Connect"}, {"wait_s": 1.0}, {"click": "recording folder"},
+            {"key": "Ctrl+A"}, {"text": "sweep"}, {"click": "Record"}, {"wait_s": 1.0}, picture("viewer-live")])
         for run in (first, second, live):
             for path in sorted(run.folder.glob("*.png")):
                 (images / path.name).write_bytes(path.read_bytes())
