@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -161,21 +160,7 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
 
 void Application::draw_status() {
   const Document* document = session_.document();
-  std::set<std::string> shown;  // of one key one may run while another waits: to the user they are one
-  for (const JobStatus& job : session_.worker().jobs()) {
-    if (job.cancelling || !shown.insert(job.key).second) continue;
-    ImGui::ProgressBar(static_cast<float>(job.fraction), {8.0F * ui::em(), 1.2F * ui::em()}, "");
-    ImGui::SameLine();
-    ImGui::TextUnformatted(job.title.c_str());
-    ImGui::SameLine();
-    ImGui::PushID(job.key.c_str());
-    ImGui::SmallButton("Cancel");
-    // When pressed, not when let go: until then what is left of it may be done, and the button have moved away.
-    if (ImGui::IsItemClicked()) session_.cancel(job.key);
-    ui::note_last("cancel:" + job.key);
-    ImGui::PopID();
-    ImGui::SameLine();
-  }
+  bars_.draw(session_);
   if (document == nullptr) {
     ImGui::TextUnformatted("F1 shows the keys");
     return;
