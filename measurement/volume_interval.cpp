@@ -14,8 +14,7 @@ namespace fathom {
 namespace {
 
 constexpr double kMm3PerMl = 1000.0;
-constexpr double k95 = 1.96;                // standard deviations on either side that hold 95 %
-constexpr std::size_t kFewestSections = 4;  // three parabola points are met exactly, whatever the organ
+constexpr double k95 = 1.96;  // standard deviations on either side that hold 95 %
 
 // What the true error of quadric planimetry is of the root sum of squares of the changes by leaving sections out.
 constexpr double kSpacingShare = 0.25;
@@ -87,11 +86,28 @@ void MeasurementErrors::check() const {
   }
 }
 
+VolumeInterval interval_about(double volume_ml, const VolumeVariances& found, bool outline_known,
+                              double calibration_ml) {
+  const double left_out =
+      std::max(0.0, found.left_out_mm6 - kScatterSquares * (found.outlining_mm6 + found.tracker_mm6));
+  const double spacing = outline_known ? kSpacingShare * kSpacingShare * left_out : left_out / kScatterSquares;
+  VolumeInterval interval;
+  interval.spacing_ml = std::hypot(std::sqrt(spacing) / kMm3PerMl, kFloor * volume_ml);
+  interval.outlining_ml = std::sqrt(found.outlining_mm6) / kMm3PerMl;
+  interval.tracker_ml = std::sqrt(found.tracker_mm6) / kMm3PerMl;
+  interval.calibration_ml = calibration_ml;
+  const double sd_ml = std::hypot(std::hypot(interval.spacing_ml, interval.outlining_ml),
+                                  std::hypot(interval.tracker_ml, interval.calibration_ml));
+  interval.low_ml = std::max(0.0, volume_ml - k95 * sd_ml);
+  interval.high_ml = volume_ml + k95 * sd_ml;
+  return interval;
+}
+
 std::optional<VolumeInterval> volume_interval(std::span<const CrossSection> sections,
                                               std::span<const SectionPlace> places, const MeasurementErrors& errors,
                                               double calibration_ml) {
   assert(sections.size() == places.size());
-  if (sections.size() < kFewestSections || !measure_planimetry(sections).volumes.quadric_ml) return std::nullopt;
+  if (sections.size() < kFewestForInterval || !measure_planimetry(sections).volumes.quadric_ml) return std::nullopt;
   const double turn_rad = errors.tracker_deg * std::numbers::pi / 180.0;
   double outlining = 0.0;  // variances in mm6
   double tracker = 0.0;
@@ -109,20 +125,9 @@ std::optional<VolumeInterval> volume_interval(std::span<const CrossSection> sect
                 by_turn.squaredNorm() * turn_rad * turn_rad) /
                3.0;
   }
-  const double volume_ml = std::abs(quadric_mm3(sections)) / kMm3PerMl;
-  const double left_out = std::max(0.0, squares_of_leaving_out(sections) - kScatterSquares * (outlining + tracker));
-  double spacing = kSpacingShare * kSpacingShare * left_out;
-  if (!errors.outline_mm) spacing = left_out / kScatterSquares;
-  VolumeInterval interval;
-  interval.spacing_ml = std::hypot(std::sqrt(spacing) / kMm3PerMl, kFloor * volume_ml);
-  interval.outlining_ml = std::sqrt(outlining) / kMm3PerMl;
-  interval.tracker_ml = std::sqrt(tracker) / kMm3PerMl;
-  interval.calibration_ml = calibration_ml;
-  const double sd_ml = std::hypot(std::hypot(interval.spacing_ml, interval.outlining_ml),
-                                  std::hypot(interval.tracker_ml, interval.calibration_ml));
-  interval.low_ml = std::max(0.0, volume_ml - k95 * sd_ml);
-  interval.high_ml = volume_ml + k95 * sd_ml;
-  return interval;
+  return interval_about(std::abs(quadric_mm3(sections)) / kMm3PerMl,
+                        {squares_of_leaving_out(sections), outlining, tracker}, errors.outline_mm.has_value(),
+                        calibration_ml);
 }
 
 std::vector<SectionPlace> section_places(const Structure& structure, std::span<const CrossSection> sections,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,6 +32,21 @@ struct VolumeInterval {
   double tracker_ml = 0.0;      ///< by the given noise of the tracker
   double calibration_ml = 0.0;  ///< by the covariance of the calibration, where it has one
 };
+
+/// Three parabola points are met exactly, whatever the organ: fewer sections do not tell how smooth it is.
+inline constexpr std::size_t kFewestForInterval = 4;
+
+/// What an interval is made of, in mm6.
+struct VolumeVariances {
+  double left_out_mm6 = 0.0;   ///< sum of the squares of the changes when each inner section in turn is left out
+  double outlining_mm6 = 0.0;  ///< variance by the given scatter of outlines
+  double tracker_mm6 = 0.0;    ///< variance by the given noise of the tracker
+};
+
+/// Spacing is a quarter of the root of what is left out beyond the variances; where the scatter of outlines is not
+/// known, all of it is scatter.
+VolumeInterval interval_about(double volume_ml, const VolumeVariances& found, bool outline_known,
+                              double calibration_ml);
 
 /// What errors of a section act on.
 struct SectionPlace {

@@ -1,0 +1,154 @@
+#include "measurement/divided_interval.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "measurement/moved_section.h"
+#include "measurement/planimetry.h"
+
+namespace fathom {
+
+namespace {
+
+constexpr double kNegligible = 0.01;  // of the volume
+constexpr double kStep_mm = 0.01;     // far below any outline's detail, far above rounding
+constexpr double kStep_rad = 1e-4;    // the same at 100 mm from the sensor
+
+struct Region {
+  std::size_t region = 0;
+  std::size_t sweep = 0;
+  std::vector<CrossSection> clipped;  // one for each section of the sweep
+  double volume_mm3 = 0.0;
+};
+
+double volume_mm3(std::span<const SectionOutline> sections, std::span<const CrossSection> clipped,
+                  const SpacePartition& partition, std::size_t region) {
+  const std::vector<CrossSection> inside = with_absences(sections, clipped, partition, region);
+  if (inside.size() < 2) return 0.0;
+  double sum = 0.0;
+  for (const GapVolumes& gap : gap_volumes(inside)) sum += gap.quadric_mm3;
+  return std::abs(sum);
+}
+
+class DividedVolume {
+ public:
+  DividedVolume(std::span<const PlacedSections> sweeps, const SpacePartition& partition)
+      : sweeps_(sweeps), partition_(partition) {
+    for (std::size_t region = 0; region < partition.region_count(); ++region) {
+      const auto cell = std::find_if(partition.cells().begin(), partition.cells().end(),
+                                     [&](const auto& candidate) { return candidate.region == region; });
+      if (cell == partition.cells().end() || !cell->sweep || *cell->sweep >= sweeps.size()) continue;
+      Region added{region, *cell->sweep, clip_each(sweeps[*cell->sweep].sections, partition, region), 0.0};
+      added.volume_mm3 = volume_mm3(sweeps[added.sweep].sections, added.clipped, partition, region);
+      volume_mm3_ += added.volume_mm3;
+      regions_.push_back(std::move(added));
+    }
+  }
+
+  double whole_mm3() const { return volume_mm3_; }
+
+  bool has_enough_sections() const {
+    return std::all_of(regions_.begin(), regions_.end(), [&](const Region& region) {
+      return region.volume_mm3 <= kNegligible * volume_mm3_ ||
+             present_in(sections(region), region.clipped, partition_, region.region).size() >= kFewestForInterval;
+    });
+  }
+
+  // What the volume changes by with another section in the place of one of sweep `sweep`.
+  double change_mm3(std::size_t sweep, std::size_t index, const SectionOutline& by) const {
+    double change = 0.0;
+    std::vector<SectionOutline> sections = sweeps_[sweep].sections;
+    sections[index] = by;
+    for (const Region& region : regions_) {
+      if (region.sweep != sweep) continue;
+      std::vector<CrossSection> clipped = region.clipped;
+      clipped[index] = clip_each(std::span(&by, 1), partition_, region.region).front();
+      change += volume_mm3(sections, clipped, partition_, region.region) - region.volume_mm3;
+    }
+    return change;
+  }
+
+  // By unit of a change that is made both ways.
+  template <typename Change>
+  double slope(std::size_t sweep, std::size_t index, double step, Change change) const {
+    return (change_mm3(sweep, index, change(step)) - change_mm3(sweep, index, change(-step))) / (2.0 * step);
+  }
+
+  // What the volume changes by without a section; nothing where that would open an end.
+  double left_out_mm3(std::size_t sweep, std::size_t index) const {
+    double change = 0.0;
+    for (const Region& region : regions_) {
+      if (region.sweep != sweep || !is_inner(region, index)) continue;
+      std::vector<SectionOutline> rest = sweeps_[sweep].sections;
+      std::vector<CrossSection> clipped = region.clipped;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(index));
+      clipped.erase(clipped.begin() + static_cast<std::ptrdiff_t>(index));
+      change += volume_mm3(rest, clipped, partition_, region.region) - region.volume_mm3;
+    }
+    return change;
+  }
+
+ private:
+  std::span<const SectionOutline> sections(const Region& region) const { return sweeps_[region.sweep].sections; }
+
+  bool is_inner(const Region& region, std::size_t index) const {
+    const auto present = present_in(sections(region), region.clipped, partition_, region.region);
+    const int frame = region.clipped[index].frame;
+    return present.size() > 2 && frame != present.front().frame && frame != present.back().frame &&
+           std::any_of(present.begin(), present.end(), [&](const CrossSection& s) { return s.frame == frame; });
+  }
+
+  std::span<const PlacedSections> sweeps_;
+  const SpacePartition& partition_;
+  std::vector<Region> regions_;
+  double volume_mm3_ = 0.0;
+};
+
+// The mean square of the changes by noise of the tracker. Root mean squares in space are shared by three axes.
+double tracker_mm6(const DividedVolume& volume, std::size_t sweep, std::size_t index, const PlacedSections& of,
+                   const MeasurementErrors& errors) {
+  const double turn_rad = errors.tracker_deg * std::numbers::pi / 180.0;
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
+    const double by_shift = volume.slope(sweep, index, kStep_mm, [&](double step) {
+      return moved(of.sections[index], Eigen::Isometry3d(Eigen::Translation3d(step * along)));
+    });
+    const double by_turn = volume.slope(sweep, index, kStep_rad, [&](double step) {
+      const Eigen::Translation3d probe(of.probes_mm[index]);
+      return moved(of.sections[index], Eigen::Isometry3d(probe * Eigen::AngleAxisd(step, along) * probe.inverse()));
+    });
+    sum += by_shift * by_shift * errors.tracker_mm * errors.tracker_mm + by_turn * by_turn * turn_rad * turn_rad;
+  }
+  return sum / 3.0;
+}
+
+}  // namespace
+
+std::optional<VolumeInterval> divided_interval(std::span<const PlacedSections> sweeps, const SpacePartition& partition,
+                                               const MeasurementErrors& errors, double calibration_ml,
+                                               double missing_ml) {
+  const DividedVolume volume(sweeps, partition);
+  if (!(volume.whole_mm3() > 0.0) || !volume.has_enough_sections()) return std::nullopt;
+  VolumeVariances found;
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    assert(sweeps[s].sections.size() == sweeps[s].probes_mm.size());
+    for (std::size_t i = 0; i < sweeps[s].sections.size(); ++i) {
+      const double left_out = volume.left_out_mm3(s, i);
+      found.left_out_mm6 += left_out * left_out;
+      const double by_outline = errors.outline_mm.value_or(0.0) * volume.slope(s, i, kStep_mm, [&](double step) {
+        return grown(sweeps[s].sections[i], step);
+      });
+      found.outlining_mm6 += by_outline * by_outline;
+      found.tracker_mm6 += tracker_mm6(volume, s, i, sweeps[s], errors);
+    }
+  }
+  VolumeInterval interval =
+      interval_about(volume.whole_mm3() / 1000.0, found, errors.outline_mm.has_value(), calibration_ml);
+  interval.high_ml += missing_ml;
+  return interval;
+}
+
+}  // namespace fathom
