@@ -35,6 +35,9 @@ struct ConfidenceOptions {
 Confidence confidence(const Structure& structure, std::span<const CrossSection> sections, const Recording& recording,
                       const FrameLocator& locator, const ConfidenceOptions& options);
 
+/// The frame to outline next, where that would make the volume surer by so much that it is worth a stroke.
+std::optional<NextOutline> next_worth_outlining(const Confidence& confidence);
+
 /// Adds the keys `volume_interval_ml`, `volume_interval_parts_ml`, `where_next` and `missing_ends`
 /// (docs/file-formats.md).
 void add_confidence(const Confidence& confidence, nlohmann::ordered_json& item);

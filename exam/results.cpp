@@ -173,7 +173,7 @@ nlohmann::ordered_json results_json(const std::vector<StructureResult>& results)
     item["name"] = result.name;
     item["sections"] = result.measurement.sections;
     item["volume_ml"] = volumes_json(result.measurement.volumes, result.surfaces);
-    item["recommended"] = "cubic_planimetry_quadric";
+    item["recommended"] = kRecommendedKey;
     add_confidence(result.confidence, item);
     item["partitions"] = nlohmann::ordered_json::array();
     for (const PartResult& part : result.partitions) item["partitions"].push_back(part_json(part));
