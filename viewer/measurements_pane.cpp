@@ -143,7 +143,7 @@ void MeasurementsPane::draw_graph(Session& session, std::size_t index) {
     if (std::abs(points[i].x - mouse.x) < std::abs(points[nearest].x - mouse.x)) nearest = i;
   }
   char text[96];
-  std::snprintf(text, sizeof text, "area, up to %.2f cm2, along %.0f mm", largest / 100.0, way.back());
+  std::snprintf(text, sizeof text, "up to %.2f cm2, along %.0f mm", largest / 100.0, way.back());
   list.AddText({low.x + margin, low.y + 1.0F}, ImGui::GetColorU32(ImGuiCol_Text), text);
   if (ImGui::IsItemHovered()) {
     ImGui::SetTooltip("frame %d: %.2f cm2", view.sections[nearest].frame,
@@ -158,7 +158,7 @@ void MeasurementsPane::draw_opacity(Session& session, std::size_t index) {
   const std::string name = document.structures()[index].name;
   float percent = static_cast<float>(100.0 * document.structures()[index].opacity);
   const std::string label = "##opacity " + std::to_string(index + 1);
-  const bool moved = ui::slider(label.c_str(), percent, 0.0F, 100.0F, "%.0f %%", 3.6F * ui::em());
+  const bool moved = ui::slider(label.c_str(), percent, 0.0F, 100.0F, "%.0f %%", 3.0F * ui::em());
   ui::tip("How solid the surface is in Outline");
   if (ImGui::IsItemActivated()) document.begin_action("Change opacity");
   if (moved) session.attempt(name, [&] { document.set_opacity(index, std::round(percent) / 100.0); });

@@ -45,14 +45,15 @@ void PictureDialog::draw(FileDialog& files, const std::vector<std::string>& pane
   if (std::exchange(opening_, false)) ImGui::OpenPopup(kTitle);
   if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return;
   pane_ = std::clamp(pane_, 0, static_cast<int>(panes.size()) - 1);
-  ui::combo("Of##picture", pane_, panes, 12.0F * ui::em());
+  ui::combo("##picture of", pane_, panes, 16.0F * ui::em());
   ui::check("Without names", without_names_,
             "No texts of the exam, names of files, or what scanners write into images");
   std::optional<cv::Rect> area;
   std::string fault;
   if (without_names_) {
-    ui::text("Part of the B-scans without names##picture area", area_, 9.0F * ui::em());
-    ui::tip("x y width height in pixels; empty: no B-scan is shown");
+    ImGui::TextUnformatted("Part of the B-scans that is free of names:");
+    ui::text("##picture area", area_, 16.0F * ui::em());
+    ImGui::TextUnformatted("x y width height in pixels; empty: no B-scan");
     fault = area_fault(image, area);
     if (!fault.empty()) ui::fault(fault);
   }

@@ -132,11 +132,11 @@ def png_size(path):
 def ask_for_picture(file, pane=None, without_names=False, area=None):
     events = [{"menu": "File/Picture..."}, {"frames": 2}]
     if pane:
-        events += [{"click": "Of"}, {"frames": 2}, {"click": f"Of:{pane}"}, {"frames": 2}]
+        events += [{"click": "picture of"}, {"frames": 2}, {"click": f"picture of:{pane}"}, {"frames": 2}]
     if without_names:
         events += [{"click": "Without names"}, {"frames": 2}]
     if area:
-        events += [{"click": "Part of the B-scans without names"}, {"key": "Ctrl+A"}, {"text": area}]
+        events += [{"click": "picture area"}, {"key": "Ctrl+A"}, {"text": area}]
     return events + [{"click": "Choose a file..."}, {"frames": 2}, {"click": "Name"}, {"key": "Ctrl+A"},
                      {"text": str(file)}, {"click": "Write"}, IDLE, {"frames": 2}]
 
@@ -159,7 +159,7 @@ def picture_of_a_pane_is_written(viewer, shared):
 def picture_without_names_shows_only_what_is_free_of_them(viewer, shared):
     exam = shared.exam(viewer.folder)
     files = [viewer.folder / f"{name}.png" for name in ("whole", "part", "nothing", "window")]
-    part = (60, 50, 60, 40)
+    part = (130, 180, 60, 60)
     run = viewer.run(exam, window=WINDOW, events=[
         IDLE, {"key": "O"}, {"wheel": -40, "at": PANE}, {"frames": 3}, {"click": "Exam"}, {"frames": 3},
         {"wheel": -40, "at": PANE}, {"frames": 3}, {"click": "Patient"}, {"text": "Smith"}, {"click": "Add structure"}, IDLE, DUMP,
