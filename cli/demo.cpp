@@ -70,10 +70,10 @@ void run(const DemoOptions& options) {
   write_text_file(folder / "results.json", json.dump(1, ' ') + "\n");
 
   const double truth = scan.truth.structures.front().volume_ml;
-  const auto measured = results.front().measurement.volumes.cubic_ml;
+  const auto measured = results.front().measurement.volumes.recommended_ml();
   std::string verdict = "true volume " + number_text(truth, 2) + " ml";
   if (measured) {
-    verdict += ", measured " + number_text(*measured, 2) + " ml by cubic planimetry (" +
+    verdict += ", measured " + number_text(*measured, 2) + " ml by " + kRecommendedMethod + " (" +
                number_text(100.0 * (*measured / truth - 1.0), 2) + " %)";
   }
   const std::string sections = results.front().name + ": " + std::to_string(results.front().measurement.sections) +

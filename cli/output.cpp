@@ -11,8 +11,6 @@ namespace fathom {
 
 namespace {
 
-constexpr double kWorthAsking = 1e-3;  // of the volume: less is not worth a stroke
-
 volatile std::sig_atomic_t interrupted = 0;
 
 constexpr int kBarColumns = 40;
@@ -45,9 +43,8 @@ void print_confidence(const StructureResult& result) {
   for (const MissingEnd& end : result.confidence.missing_ends) {
     std::cout << result.name << ": " << warning_of(end) << "\n";
   }
-  const auto& next = result.confidence.next;
-  const auto& interval = result.confidence.interval;
-  if (!next || !interval || next->gain_ml < kWorthAsking * interval->high_ml) return;
+  const auto next = next_worth_outlining(result.confidence);
+  if (!next) return;
   std::cout << result.name << ": outline frame " << next->frame << " next: the volume would be surer by about "
             << number_text(next->gain_ml, 2) << " ml\n";
 }

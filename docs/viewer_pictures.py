@@ -11,7 +11,8 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "tests" / "viewer"))
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "viewer")]
+from small_png import small  # noqa: E402
 from viewer_driver import IDLE, Display, Viewer, at  # noqa: E402
 
 WINDOW = (1100, 700)
@@ -68,8 +69,9 @@ def main():
             {"key": "Ctrl+A"}, {"text": "sweep"}, {"click": "Record"}, {"wait_s": 1.0}, picture("viewer-live")])
         for run in (first, second, live):
             for path in sorted(run.folder.glob("*.png")):
-                (images / path.name).write_bytes(path.read_bytes())
-                print(f"docs/images/{path.name}: {path.stat().st_size // 1024} kB")
+                picture_file = images / path.name
+                picture_file.write_bytes(small(path.read_bytes()))
+                print(f"docs/images/{path.name}: {picture_file.stat().st_size // 1000} kB")
         guide = HERE / "viewer.md"
         before, rest = guide.read_text().split(KEYS_BEGIN)
         after = rest.split(KEYS_END)[1]

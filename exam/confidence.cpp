@@ -11,6 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kWorthAsking = 1e-3;  // of the volume: less is not worth a stroke
+
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 }  // namespace
@@ -25,6 +27,12 @@ Confidence confidence(const Structure& structure, std::span<const CrossSection> 
   result.next = where_next(sections, locator);
   result.missing_ends = missing_ends(sections, structure.absent, locator);
   return result;
+}
+
+std::optional<NextOutline> next_worth_outlining(const Confidence& confidence) {
+  const auto& [interval, next, ends] = confidence;
+  if (!next || !interval || next->gain_ml < kWorthAsking * interval->high_ml) return std::nullopt;
+  return next;
 }
 
 void add_confidence(const Confidence& confidence, Json& item) {

@@ -16,7 +16,7 @@
 
 namespace fathom {
 
-/// How far the volume of a structure in one sweep can be trusted, and what would make it better.
+/// How far the volume of a structure can be trusted, and what would make it better.
 struct Confidence {
   std::optional<VolumeInterval> interval;  ///< about quadric planimetry
   std::optional<NextOutline> next;
@@ -34,6 +34,9 @@ struct ConfidenceOptions {
 /// calibration_spread_ml.
 Confidence confidence(const Structure& structure, std::span<const CrossSection> sections, const Recording& recording,
                       const FrameLocator& locator, const ConfidenceOptions& options);
+
+/// The frame to outline next, where that would make the volume surer by so much that it is worth a stroke.
+std::optional<NextOutline> next_worth_outlining(const Confidence& confidence);
 
 /// Adds the keys `volume_interval_ml`, `volume_interval_parts_ml`, `where_next` and `missing_ends`
 /// (docs/file-formats.md).

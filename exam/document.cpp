@@ -89,7 +89,7 @@ void Document::change(const char* name, Change change) {
 void Document::touch(const Change& change) {
   ++revision_;
   if (std::holds_alternative<DivisionChange>(change)) division_revision_ = revision_;
-  if (std::holds_alternative<TextChange>(change)) return;
+  if (std::holds_alternative<TextChange>(change) || std::holds_alternative<StyleChange>(change)) return;
   std::visit(
       [&](const auto& c) {
         if constexpr (requires { c.structure; }) {

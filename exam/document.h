@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -97,7 +98,12 @@ class Document {
   // What changed: numbers that grow with every change, also with those undone. Each is one of revision()'s values.
 
   std::uint64_t revision() const { return revision_; }
+  /// Of a structure's outlines and marks; its name, colour and opacity are in revision() alone.
   std::uint64_t structure_revision(std::size_t structure) const { return structure_revisions_.at(structure); }
+  /// Of all that the volume of a structure is made of.
+  std::uint64_t result_revision(std::size_t structure) const {
+    return std::max({structure_revision(structure), division_revision_, placement_revision_});
+  }
   /// Of sweeps and dividing planes; of the calibration.
   std::uint64_t division_revision() const { return division_revision_; }
   std::uint64_t placement_revision() const { return placement_revision_; }
@@ -129,6 +135,8 @@ class Document {
   void remove_structure(std::size_t structure);
   void rename_structure(std::size_t structure, const std::string& name);
   void recolor_structure(std::size_t structure, const std::string& color);
+  /// Of its surface, in [0, 1].
+  void set_opacity(std::size_t structure, double opacity);
 
   // Outlines, at least three points each. Outlining a frame takes away the mark that the structure is absent there, or
   // the extremity.

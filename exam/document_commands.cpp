@@ -61,6 +61,14 @@ void require_color(const std::string& color) {
   throw Error(printable(color) + " is not a colour; give one such as #33ccff");
 }
 
+void require_opacity(double opacity) {
+  if (!(opacity >= 0.0 && opacity <= 1.0)) throw Error("an opacity must lie between 0 and 1");
+}
+
+StyleChange style_change(std::size_t structure, const Structure& of, StructureStyle to) {
+  return {structure, {of.name, of.color, of.opacity}, std::move(to)};
+}
+
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 }  // namespace
@@ -115,7 +123,8 @@ std::size_t Document::add_structure(Structure structure) {
   require_name(structure.name, content_.structures, kNone);
   if (structure.color.empty()) structure.color = kPalette[content_.structures.size() % kPalette.size()];
   require_color(structure.color);
-  Structure empty{structure.name, structure.color, {}, {}, {}};
+  require_opacity(structure.opacity);
+  Structure empty{structure.name, structure.color, {}, {}, {}, structure.opacity};
   put_in_order(structure);
   for (const Contour& contour : structure.contours) require_contour(contour, 0);
   const auto require_alone = [&](const auto& marks, const char* what) {
@@ -149,13 +158,19 @@ void Document::remove_structure(std::size_t structure) {
 void Document::rename_structure(std::size_t structure, const std::string& name) {
   const Structure& of = structure_at(structure);
   require_name(name, content_.structures, structure);
-  change("Rename structure", StyleChange{structure, {of.name, of.color}, {name, of.color}});
+  change("Rename structure", style_change(structure, of, {name, of.color, of.opacity}));
 }
 
 void Document::recolor_structure(std::size_t structure, const std::string& color) {
   const Structure& of = structure_at(structure);
   require_color(color);
-  change("Change colour", StyleChange{structure, {of.name, of.color}, {of.name, color}});
+  change("Change colour", style_change(structure, of, {of.name, color, of.opacity}));
+}
+
+void Document::set_opacity(std::size_t structure, double opacity) {
+  const Structure& of = structure_at(structure);
+  require_opacity(opacity);
+  change("Change opacity", style_change(structure, of, {of.name, of.color, opacity}));
 }
 
 std::size_t Document::add_contour(std::size_t structure, Contour contour) {

@@ -42,8 +42,8 @@ bool same(const std::vector<Item>& a, const std::vector<Item>& b) {
 }
 
 bool same(const Structure& a, const Structure& b) {
-  return a.name == b.name && a.color == b.color && same(a.contours, b.contours) && same(a.extremities, b.extremities) &&
-         same(a.absent, b.absent);
+  return a.name == b.name && a.color == b.color && a.opacity == b.opacity && same(a.contours, b.contours) &&
+         same(a.extremities, b.extremities) && same(a.absent, b.absent);
 }
 
 template <typename Value>
@@ -97,9 +97,10 @@ struct Applier {
     if (change.structure >= content.structures.size()) return false;
     const auto [from, to] = directed(change.before, change.after, direction);
     Structure& structure = content.structures[change.structure];
-    if (structure.name != from.name || structure.color != from.color) return false;
+    if (StructureStyle{structure.name, structure.color, structure.opacity} != from) return false;
     structure.name = to.name;
     structure.color = to.color;
+    structure.opacity = to.opacity;
     return true;
   }
 
@@ -257,7 +258,10 @@ std::string digest_text(const ExamContent& content) {
 
 std::uint64_t measured_digest(const ExamContent& content) {
   std::vector<Structure> structures = content.structures;
-  for (Structure& structure : structures) structure.name = structure.color = {};
+  for (Structure& structure : structures) {
+    structure.name = structure.color = {};
+    structure.opacity = kUsualOpacity;
+  }
   return hash(planes_json({content.sweeps, content.planes}), hash(contours_json(structures), kHashStart));
 }
 

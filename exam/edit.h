@@ -61,6 +61,7 @@ struct StructureChange {
 struct StructureStyle {
   std::string name;
   std::string color;
+  double opacity = kUsualOpacity;
   bool operator==(const StructureStyle&) const = default;
 };
 

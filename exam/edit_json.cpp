@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/json.h"
+#include "core/numbers.h"
 #include "registration/dividing_planes.h"
 #include "segmentation/contour_entries.h"
 
@@ -67,7 +68,8 @@ std::string change_json(const StructureChange& change) {
 }
 
 std::string style_json(const StructureStyle& style) {
-  return "{\"name\": " + quoted(style.name) + ", \"color\": " + quoted(style.color) + "}";
+  return "{\"name\": " + quoted(style.name) + ", \"color\": " + quoted(style.color) +
+         ", \"opacity\": " + format_real(style.opacity) + "}";
 }
 
 std::string change_json(const StyleChange& change) {
@@ -116,7 +118,11 @@ Change read_structure_change(const JsonValue& value) {
                          read_optional_structure(value.at("before")), read_optional_structure(value.at("after"))};
 }
 
-StructureStyle read_style(const JsonValue& value) { return {value.at("name").string(), value.at("color").string()}; }
+StructureStyle read_style(const JsonValue& value) {
+  // Versions without an opacity showed all surfaces alike.
+  return {value.at("name").string(), read_color(value.at("color")),
+          value.has("opacity") ? read_opacity(value.at("opacity")) : kUsualOpacity};
+}
 
 Change read_style_change(const JsonValue& value) {
   return StyleChange{read_index(value.at("style")), read_style(value.at("before")), read_style(value.at("after"))};

@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/html.h"
+#include "exam/area_graph.h"
 #include "exam/html.h"
 #include "exam/report_picture.h"
 #include "exam/results_export.h"
@@ -30,17 +31,18 @@ h1 { font-size: 17pt; margin: 0 0 3mm; } h2 { font-size: 13pt; margin: 7mm 0 2mm
 table { border-collapse: collapse; margin: 2mm 0; font-variant-numeric: tabular-nums; }
 th, td { border: 1px solid #bbb; padding: 0.6mm 2.5mm; text-align: right; }
 th:first-child, td:first-child { text-align: left; } th { background: #eee; }
-img { max-width: 100%; margin: 2mm 0; } .warning { margin: 1mm 0; padding-left: 4mm; border-left: 2mm solid #d80; }
+img, svg { max-width: 100%; margin: 2mm 0; } svg { height: auto; display: block; } .warning { margin: 1mm 0; padding-left: 4mm; border-left: 2mm solid #d80; }
 .notes { white-space: pre-wrap; } footer { margin-top: 8mm; font-size: 9pt; color: #555; }
 @page { margin: 15mm; }
 @media print {
   body { margin: 0; padding: 0; max-width: none; } h2 { break-after: avoid; } thead { display: table-header-group; }
-  tr, img, .warning { break-inside: avoid; } th { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+  tr, img, svg, .warning { break-inside: avoid; } th, svg { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )";
 
 // The methods of results_json, for people.
-constexpr std::array<std::pair<const char*, const char*>, 7> kMethods{{
+constexpr std::array<std::pair<const char*, const char*>, 8> kMethods{{
+    {kRecommendedKey, kRecommendedMethod},
     {"cubic_planimetry", "cubic planimetry"},
     {"linear_planimetry", "linear planimetry"},
     {"cubic_planimetry_3d", "cubic planimetry, 3D"},
@@ -67,6 +69,19 @@ std::string method_name(const std::string& key) {
   return key;
 }
 
+// Nothing where no structure has one.
+void add_intervals(const nlohmann::ordered_json& results, std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::string> row{"its 95 % interval"};
+  bool known = false;
+  for (const auto& item : results["structures"]) {
+    const auto& interval = item["volume_interval_ml"];
+    const bool has = interval.is_array() && interval.size() == 2;
+    known = known || has;
+    row.push_back(has ? ml(interval[0]) + " to " + ml(interval[1]) : "\u2013");
+  }
+  if (known) rows.push_back(std::move(row));
+}
+
 // Methods in rows, structures in columns; the number to quote comes first.
 std::string volumes_table(const nlohmann::ordered_json& results) {
   std::vector<std::vector<std::string>> rows{{"volume (ml)"}};
@@ -80,16 +95,8 @@ std::string volumes_table(const nlohmann::ordered_json& results) {
     rows.push_back({method_name(key)});
     for (const auto& item : results["structures"])
       rows.back().push_back(ml(item["volume_ml"].value(key, nlohmann::ordered_json())));
+    if (key == kRecommendedKey) add_intervals(results, rows);
   }
-  rows.push_back({"interval"});
-  bool known = false;
-  for (const auto& item : results["structures"]) {
-    const auto& interval = item["volume_interval_ml"];
-    const bool has = interval.is_array() && interval.size() == 2;
-    known = known || has;
-    rows.back().push_back(has ? ml(interval[0]) + " to " + ml(interval[1]) : "\u2013");
-  }
-  if (!known) rows.pop_back();
   rows.push_back({"sections"});
   for (const auto& item : results["structures"]) rows.back().push_back(std::to_string(item["sections"].get<int>()));
   return html_table(rows);
@@ -98,19 +105,19 @@ std::string volumes_table(const nlohmann::ordered_json& results) {
 std::string parts_table(const nlohmann::ordered_json& item) {
   if (item["partitions"].empty()) return {};
   std::vector<std::vector<std::string>> rows{
-      {"sweep", "sections", "cubic planimetry (ml)", "surface (ml)", "missing (ml)"}};
+      {"sweep", "sections", std::string(kRecommendedMethod) + " (ml)", "surface (ml)", "missing (ml)"}};
   for (const auto& part : item["partitions"]) {
     rows.push_back({std::to_string(part["sweep"].get<std::size_t>() + 1), std::to_string(part["sections"].get<int>()),
-                    ml(part["volume_ml"]["cubic_planimetry"]), ml(part["volume_ml"]["disc_guided_curved"]),
+                    ml(part["volume_ml"][kRecommendedKey]), ml(part["volume_ml"]["disc_guided_curved"]),
                     ml(part["loss_ml"])});
   }
   return html_table(rows);
 }
 
-std::string sections_table(const DocumentSnapshot& document, std::size_t structure) {
+std::string sections_table(const std::vector<SectionRow>& sections) {
   std::vector<std::vector<std::string>> rows{
       {"sweep", "recording", "frame", "along the sweep (mm)", "area (cm\u00b2)"}};
-  for (const SectionRow& row : section_rows(document.structures[structure], *document.scan, document.division)) {
+  for (const SectionRow& row : sections) {
     rows.push_back({std::to_string(row.sweep + 1), std::to_string(row.recording + 1), std::to_string(row.frame),
                     number(row.along_mm, 1), number(row.area_cm2, 2)});
   }
@@ -232,6 +239,9 @@ std::string report_html(const DocumentSnapshot& document, const ReportContent& c
     for (const auto& warning : item["warnings"]) {
       html += "<p class=\"warning\">" + html_text(warning.get<std::string>()) + "</p>\n";
     }
+    for (const MissingEnd& end : content.results[i].confidence.missing_ends) {
+      html += "<p class=\"warning\">" + html_text(warning_of(end)) + "</p>\n";
+    }
     const cv::Mat outlines = outlines_picture(document, i, options);
     if (!outlines.empty()) html += html_picture(outlines, name + ": outlines");
     if (outlines.empty() && options.anonymous && !options.area) {
@@ -239,7 +249,8 @@ std::string report_html(const DocumentSnapshot& document, const ReportContent& c
     }
     const cv::Mat surface = surface_picture_of(document, i, content.meshes[i]);
     if (!surface.empty()) html += html_picture(surface, name + ": surface");
-    html += parts_table(item) + sections_table(document, i);
+    const std::vector<SectionRow> sections = section_rows(document.structures[i], *document.scan, document.division);
+    html += area_graph_svg(sections, document.structures[i].color) + parts_table(item) + sections_table(sections);
   }
   return html + versions(options) + "</body></html>\n";
 }

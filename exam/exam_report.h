@@ -41,8 +41,8 @@ cv::Mat surface_picture_of(const DocumentSnapshot& document, std::size_t structu
 std::vector<StructureResult> results_to_show(const DocumentSnapshot& document, const ReportContent& content,
                                              const ReportOptions& options);
 
-/// The report as one HTML page that needs no other file and prints on A4 or Letter: texts, volumes by method with their
-/// interval where it is known, sections, pictures, warnings, versions.
+/// The report as one HTML page that needs no other file and prints on A4 or Letter: texts, volumes by method, the
+/// interval where it is known, areas along the sweeps as a graph and a table, pictures, warnings, versions.
 std::string report_html(const DocumentSnapshot& document, const ReportContent& content, const ReportOptions& options);
 
 }  // namespace fathom

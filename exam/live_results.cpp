@@ -1,6 +1,5 @@
 #include "exam/live_results.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/error.h"
@@ -92,14 +91,9 @@ LiveResults::Item& LiveResults::item(std::size_t structure) {
   return *found;
 }
 
-std::uint64_t LiveResults::revision_for(std::size_t structure) const {
-  return std::max(
-      {document_.structure_revision(structure), document_.division_revision(), document_.placement_revision()});
-}
-
 const VolumeMeasurement& LiveResults::volume(std::size_t structure) {
   Item& of = item(structure);
-  const std::uint64_t revision = revision_for(structure);
+  const std::uint64_t revision = document_.result_revision(structure);
   if (of.volume_revision == revision) return of.volume.measurement();
   if (of.placement_revision != document_.placement_revision()) of.volume.clear();
   of.placement_revision = document_.placement_revision();
@@ -125,7 +119,7 @@ void LiveResults::request_surfaces() {
   if (!document_.is_calibrated()) return;
   for (std::size_t i = 0; i < document_.structures().size(); ++i) {
     Item& of = item(i);
-    const std::uint64_t revision = revision_for(i);
+    const std::uint64_t revision = document_.result_revision(i);
     if (of.requested != revision) start_surface(i, of, revision);
   }
 }
@@ -174,7 +168,7 @@ void LiveResults::start_surface(std::size_t structure, Item& of, std::uint64_t r
 const LiveSurface& LiveResults::surface(std::size_t structure) { return item(structure).surface; }
 
 bool LiveResults::is_current(std::size_t structure) {
-  return item(structure).surface.revision == revision_for(structure);
+  return item(structure).surface.revision == document_.result_revision(structure);
 }
 
 void LiveResults::cancel_surface(std::size_t structure) {

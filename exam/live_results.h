@@ -58,7 +58,6 @@ class LiveResults {
  private:
   struct Item;
   Item& item(std::size_t structure);
-  std::uint64_t revision_for(std::size_t structure) const;
   void start_surface(std::size_t structure, Item& item, std::uint64_t revision);
 
   const Document& document_;

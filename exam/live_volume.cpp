@@ -87,6 +87,7 @@ void LiveVolume::update_sections(const Structure& structure, const Scan& scan, s
     }
     if (known->second.section) sections_.push_back(*known->second.section);
   }
+  measure_way(sections_, locator);
   cross_sections(skeleton_of(structure, frames, 0), locator, &warnings);
 }
 
@@ -105,6 +106,11 @@ SweepSections LiveVolume::update_sweep(const Structure& structure, const FrameLo
     }
     made.sections.insert(made.sections.end(), known->second.section.begin(), known->second.section.end());
   }
+  // Each frame was made by itself and knows nothing of the way to it.
+  std::vector<CrossSection> wholes;
+  for (const SectionOutline& section : made.sections) wholes.push_back(section.whole);
+  measure_way(wholes, locator);
+  for (std::size_t i = 0; i < wholes.size(); ++i) made.sections[i].whole.along_mm = wholes[i].along_mm;
   const int recording = static_cast<int>(kept.sweep.recording);
   section_outlines(skeleton_of(structure, frames, recording), locator, kept.sweep, &made.warnings);
   return made;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "exam/divided_confidence.h"
 
 namespace fathom {
 
@@ -155,6 +156,9 @@ std::vector<StructureResult> measure_structures(const std::vector<Structure>& st
         division_result(structure, scan, division,
                         divided ? measure_partitions(structure, scan.locators, division.sweeps, division.partition)
                                 : measure_sweeps(structure, scan.locators, division.sweeps));
+    if (divided && options.confidence) {
+      result.confidence = divided_confidence(structure, scan, division, options.confidence->errors);
+    }
     if (options.surfaces && !result.partitions.empty()) {
       const auto measure_part = divided ? measure_part_surfaces : measure_sweep_surfaces;
       measure_part(structure, scan, division, part_of(progress, done, done + step), result);
@@ -173,7 +177,7 @@ nlohmann::ordered_json results_json(const std::vector<StructureResult>& results)
     item["name"] = result.name;
     item["sections"] = result.measurement.sections;
     item["volume_ml"] = volumes_json(result.measurement.volumes, result.surfaces);
-    item["recommended"] = "cubic_planimetry_quadric";
+    item["recommended"] = kRecommendedKey;
     add_confidence(result.confidence, item);
     item["partitions"] = nlohmann::ordered_json::array();
     for (const PartResult& part : result.partitions) item["partitions"].push_back(part_json(part));

@@ -35,13 +35,13 @@ struct StructureResult {
   VolumeMeasurement measurement;  ///< with all warnings
   SurfaceVolumes surfaces;
   std::vector<PartResult> partitions;  ///< their sum is `measurement`; empty where the scan was taken as one sweep
-  Confidence confidence;               ///< of a scan that was taken as one sweep
+  Confidence confidence;               ///< nothing where several sweeps have no dividing planes
   double seconds = 0.0;                ///< time that the measurement took
 };
 
 struct MeasureOptions {
   bool surfaces = true;  ///< also by surfaces, which takes some tenths of a second for each structure
-  /// Also how far the volumes can be trusted, where the scan is taken as one sweep.
+  /// Also how far the volumes can be trusted, where the sweeps' volumes have a sum.
   std::optional<ConfidenceOptions> confidence = std::nullopt;
 };
 

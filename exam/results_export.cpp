@@ -49,7 +49,9 @@ std::vector<StructureResult> measure_document(const DocumentSnapshot& document, 
   require_simple_outlines(structures, file);
   require_measurable(structures, frame_counts(scan), divided ? OpenContours::kAllow : OpenContours::kRefuse, file);
   if (division) return measure_structures(structures, scan, *division, options, progress);
-  return measure_structures(structures, *scan.recordings.front(), scan.locators.front(), options, progress);
+  MeasureOptions asked = options;
+  if (!asked.confidence) asked.confidence = ConfidenceOptions{scan.calibration, scan.names, {}};
+  return measure_structures(structures, *scan.recordings.front(), scan.locators.front(), asked, progress);
 }
 
 std::string results_csv(const std::vector<StructureResult>& results) {

@@ -9,7 +9,8 @@
 
 namespace fathom {
 
-/// Measures a document as `fathom measure` does its exam. Throws Error as measure_structures does, for outlines that
+/// Measures a document as `fathom measure` does its exam, with intervals also where the options do not ask for them.
+/// Throws Error as measure_structures does, for outlines that
 /// cross themselves or are open where they must not be, and without a calibration; Cancelled.
 std::vector<StructureResult> measure_document(const DocumentSnapshot& document, const MeasureOptions& options = {},
                                               const Progress& progress = {});

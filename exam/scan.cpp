@@ -24,15 +24,13 @@ void add(std::unique_ptr<Recording> recording, const Calibration& calibration, c
 }  // namespace
 
 Scan open_scan(const std::filesystem::path& recording, const Calibration& calibration, const FrameNames& names) {
-  Scan scan;
-  scan.name = recording.string();
+  Scan scan{recording.string(), {}, {}, calibration, names};
   add(open_recording(recording), calibration, names, scan);
   return scan;
 }
 
 Scan open_scan(const Exam& exam, const Calibration& calibration, const FrameNames& names) {
-  Scan scan;
-  scan.name = exam_json(exam).string();
+  Scan scan{exam_json(exam).string(), {}, {}, calibration, names};
   for (const std::string& name : exam.recordings) {
     add(open_recording(file_of(exam, name)), calibration, names, scan);
   }

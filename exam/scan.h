@@ -22,6 +22,8 @@ struct Scan {
   std::string name;  ///< of the recording, or of exam.json, for messages
   std::vector<std::unique_ptr<Recording>> recordings;
   std::vector<FrameLocator> locators;  ///< one for each recording
+  Calibration calibration;             ///< the locators'; the identity where there is none
+  FrameNames names;                    ///< the locators'
 };
 
 /// One recording; its calibration may be the identity where only the probe's way matters.

@@ -14,12 +14,6 @@ namespace {
 // Of a standard deviation: far enough from rounding, near enough for a straight line.
 constexpr double kStep = 0.5;
 
-std::optional<double> volume_ml(const Structure& structure, const Recording& recording, const Calibration& calibration,
-                                const FrameNames& names) {
-  const FrameLocator locator(recording, calibration, names);
-  return measure_planimetry(cross_sections(structure, locator, nullptr)).volumes.quadric_ml;
-}
-
 Calibration moved(const Calibration& calibration, int parameter, double change) {
   SpatialVector changes = SpatialVector::Zero();
   changes[parameter] = change;
@@ -35,8 +29,16 @@ Calibration moved(const Calibration& calibration, int parameter, double change) 
 
 std::optional<double> calibration_spread_ml(const Structure& structure, const Recording& recording,
                                             const Calibration& calibration, const FrameNames& names) {
+  return calibration_spread_ml(calibration, [&](const Calibration& with) {
+    return measure_planimetry(cross_sections(structure, FrameLocator(recording, with, names), nullptr))
+        .volumes.quadric_ml;
+  });
+}
+
+std::optional<double> calibration_spread_ml(const Calibration& calibration,
+                                            const std::function<std::optional<double>(const Calibration&)>& volume_ml) {
   const Eigen::Index size = calibration.covariance.rows();
-  if (size == 0 || !volume_ml(structure, recording, calibration, names)) return std::nullopt;
+  if (size == 0 || !volume_ml(calibration)) return std::nullopt;
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
   for (Eigen::Index i = 0; i < size; ++i) {
     const auto name = std::find(kSpatialParameterNames.begin(), kSpatialParameterNames.begin() + kLatency + 1,
@@ -44,8 +46,8 @@ std::optional<double> calibration_spread_ml(const Structure& structure, const Re
     const double step = kStep * std::sqrt(std::max(0.0, calibration.covariance(i, i)));
     if (name == kSpatialParameterNames.begin() + kLatency + 1 || !(step > 0.0)) continue;
     const int parameter = static_cast<int>(name - kSpatialParameterNames.begin());
-    const auto above = volume_ml(structure, recording, moved(calibration, parameter, step), names);
-    const auto below = volume_ml(structure, recording, moved(calibration, parameter, -step), names);
+    const auto above = volume_ml(moved(calibration, parameter, step));
+    const auto below = volume_ml(moved(calibration, parameter, -step));
     if (above && below) gradient[i] = (*above - *below) / (2.0 * step);
   }
   return std::sqrt(std::max(0.0, gradient.dot(calibration.covariance * gradient)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "acquisition/recording.h"
@@ -15,5 +16,9 @@ namespace fathom {
 /// skew and latency are passed over. Throws Error as FrameLocator and cross_sections.
 std::optional<double> calibration_spread_ml(const Structure& structure, const Recording& recording,
                                             const Calibration& calibration, const FrameNames& names);
+
+/// The same of anything measured with a calibration: `volume_ml` is asked for it with other ones.
+std::optional<double> calibration_spread_ml(const Calibration& calibration,
+                                            const std::function<std::optional<double>(const Calibration&)>& volume_ml);
 
 }  // namespace fathom

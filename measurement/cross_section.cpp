@@ -44,8 +44,12 @@ Eigen::Vector2d mean_point(const std::vector<const Polygon*>& polygons) {
   return sum / static_cast<double>(count);
 }
 
-// Sets `along_mm` of sections whose poses are known: the way of one pixel.
-void measure_way(std::vector<CrossSection>& sections, const Eigen::Vector2d& pixel, const FrameLocator& locator) {
+}  // namespace
+
+void measure_way(std::vector<CrossSection>& sections, const FrameLocator& locator) {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  for (const CrossSection& section : sections) pixel += section.centroid_px;
+  pixel /= std::max(1.0, static_cast<double>(sections.size()));
   std::optional<Eigen::Vector3d> before;
   double along_mm = 0.0;
   for (CrossSection& section : sections) {
@@ -56,8 +60,6 @@ void measure_way(std::vector<CrossSection>& sections, const Eigen::Vector2d& pix
     before = here;
   }
 }
-
-}  // namespace
 
 PlaneArea even_odd_area(const std::vector<const Polygon*>& polygons) {
   PlaneArea result;
@@ -90,7 +92,6 @@ std::vector<CrossSection> cross_sections(const Structure& structure, const Frame
 std::vector<CrossSection> cross_sections(std::span<const FrameMarks> all, const FrameLocator& locator,
                                          std::vector<std::string>* warnings) {
   std::vector<CrossSection> sections;
-  Eigen::Vector2d centroid_sum_px = Eigen::Vector2d::Zero();
   std::vector<int> lost;
   std::vector<int> absent;
   for (const FrameMarks& marks : all) {
@@ -116,12 +117,10 @@ std::vector<CrossSection> cross_sections(std::span<const FrameMarks> all, const 
     section.normal = pixel.normalized();
     section.vector_area_mm2 = area.area_px2 * pixel;
     section.centroid_mm = *reference_from_image * Eigen::Vector3d(area.centroid_px.x(), area.centroid_px.y(), 0.0);
+    section.centroid_px = area.centroid_px;
     sections.push_back(section);
-    centroid_sum_px += area.centroid_px;
   }
-  if (!sections.empty()) {
-    measure_way(sections, centroid_sum_px / static_cast<double>(sections.size()), locator);
-  }
+  measure_way(sections, locator);
   if (!lost.empty() && warnings) {
     // Where no frame is left at all, none lies before the first.
     const int first = sections.empty() ? lost.front() : sections.front().frame;

@@ -21,7 +21,11 @@ struct CrossSection {
   /// How far the frame has come since the first section: the way of one pixel, the mean of the centroids. Does not
   /// jump with the shape of the organ, as the way of the centroids does. 0 everywhere: not known.
   double along_mm = 0.0;
+  Eigen::Vector2d centroid_px = Eigen::Vector2d::Zero();  ///< the same centroid in the frame's pixels
 };
+
+/// Sets `along_mm` by `centroid_px`; all poses are known, as of what cross_sections gives.
+void measure_way(std::vector<CrossSection>& sections, const FrameLocator& locator);
 
 /// Area in pixels squared, never negative, and centroid in pixels of polygons that combine by even-odd. They have no
 /// `outline_fault` (segmentation/outline_topology.h). Without an area the centroid is the mean of the points.

@@ -14,8 +14,15 @@ struct PlanimetryVolumes {
   std::optional<double> linear_ml;
   std::optional<double> cubic_ml;  ///< in the 2D representation
   std::optional<double> cubic_3d_ml;
-  std::optional<double> quadric_ml;  ///< the number to quote: needs the fewest sections (docs/results.md)
+  std::optional<double> quadric_ml;  ///< needs the fewest sections (docs/results.md)
+
+  /// The number to quote, and what its interval is about.
+  const std::optional<double>& recommended_ml() const { return quadric_ml; }
 };
+
+/// That method, as people call it and as files do.
+inline constexpr const char* kRecommendedMethod = "quadric planimetry";
+inline constexpr const char* kRecommendedKey = "cubic_planimetry_quadric";
 
 /// The point that cubic planimetry makes up beyond each end of a sweep, where p2 is the end and p3, p4 lie inwards.
 enum class SplineEnd {

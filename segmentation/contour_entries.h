@@ -21,6 +21,10 @@ std::string structure_json(const Structure& structure, const std::string& line_s
 /// Adds an entry to a structure. Throws Error as read_contours.
 void read_entry(const JsonValue& value, Structure& structure);
 
+/// "#rrggbb"; an opacity in [0, 1]. Throw Error for anything else.
+std::string read_color(const JsonValue& value);
+double read_opacity(const JsonValue& value);
+
 /// Throws Error as read_contours.
 Structure read_structure(const JsonValue& value);
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/numbers.h"
 #include "segmentation/contour_entries.h"
 #include "segmentation/frame_list.h"
 
@@ -107,8 +108,9 @@ std::string entry_json(const AbsentMark& mark) {
 }
 
 std::string structure_json(const Structure& structure, const std::string& line_start) {
-  std::string text =
-      "{\"name\": " + quoted(structure.name) + ", \"color\": " + quoted(structure.color) + ", \"contours\": [";
+  std::string text = "{\"name\": " + quoted(structure.name) + ", \"color\": " + quoted(structure.color);
+  if (structure.opacity != kUsualOpacity) text += ", \"opacity\": " + format_real(structure.opacity);
+  text += ", \"contours\": [";
   const std::vector<std::string> lines = entries(structure);
   for (std::size_t k = 0; k < lines.size(); ++k) text += (k > 0 ? "," + line_start : line_start) + lines[k];
   return text + "]}";

@@ -38,6 +38,8 @@ struct Extremity {
 /// too long for a name". Empty where it can.
 std::optional<std::string> name_fault(const std::string& name);
 
+inline constexpr double kUsualOpacity = 0.55;
+
 /// One organ or lesion, as outlined.
 struct Structure {
   std::string name;
@@ -45,12 +47,14 @@ struct Structure {
   std::vector<Contour> contours;
   std::vector<AbsentMark> absent;
   std::vector<Extremity> extremities;
+  double opacity = kUsualOpacity;  ///< of its surface where it is shown, in [0, 1]
 };
 
 /// Reads a contours file (docs/file-formats.md). Throws Error when it is damaged: wrong types, points that are not
 /// finite or farther than 1e6 pixels away, fewer than three or more than 1e6 points, negative frames, names used
-/// twice, a colour that is not "#rrggbb", a frame both outlined and marked absent or as an extremity; or when it holds
-/// more than 6 million values (2 million points). Keys that it does not know are passed over.
+/// twice, a colour that is not "#rrggbb", an opacity out of [0, 1], a frame both outlined and marked absent or as an
+/// extremity; or when it holds more than 6 million values (2 million points). Keys that it does not know are passed
+/// over.
 std::vector<Structure> read_contours(const std::filesystem::path& path);
 
 /// The text of a contours file, frames ascending; reads back as the same structures.

@@ -94,6 +94,8 @@ std::string read_name(const JsonValue& value) {
   return name;
 }
 
+}  // namespace
+
 std::string read_color(const JsonValue& value) {
   const std::string color = value.string();
   const auto hexadecimal = [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; };
@@ -103,12 +105,17 @@ std::string read_color(const JsonValue& value) {
   return color;
 }
 
-}  // namespace
+double read_opacity(const JsonValue& value) {
+  const double opacity = value.number();
+  if (!(opacity >= 0.0 && opacity <= 1.0)) value.fail("must be a number from 0, not seen, to 1, solid");
+  return opacity;
+}
 
 Structure read_structure(const JsonValue& value) {
   Structure structure;
   structure.name = read_name(value.at("name"));
   if (value.has("color")) structure.color = read_color(value.at("color"));
+  if (value.has("opacity")) structure.opacity = read_opacity(value.at("opacity"));
   const JsonValue contours = value.at("contours");
   for (std::size_t i = 0; i < contours.size(); ++i) read_entry(contours[i], structure);
   require_consistent(contours, structure);

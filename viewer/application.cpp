@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
 #include "core/text_file.h"
@@ -110,13 +109,22 @@ std::optional<Eigen::Vector2d> Application::find(const ScriptPoint& point) const
 void Application::frame() {
   if (std::exchange(look_changed_, false)) apply_look();
   session_.poll();
+  const std::optional<PictureRequest> asked = pictures_.take();
+  session_.view.hides_names = asked && asked->without_names;
+  session_.view.nameless_px = asked ? asked->area : std::nullopt;
   window_->begin_frame();
   ui::new_frame();
   take_dropped();
   handle_keys(actions_);
   draw_panes();
+  if (asked) {  // nothing above the panes
+    window_->end_frame();
+    return write_asked_picture(*asked);
+  }
   draw_messages();
   draw_help(actions_, help_);
+  const RecordingHeader* header = session_.header();
+  pictures_.draw(files_, shown_panes(), header == nullptr ? cv::Size() : cv::Size(header->width, header->height));
   files_.draw();
   draw_recover_question();
   draw_close_question();
@@ -155,24 +163,6 @@ void Application::make_recent_actions() {
 void Application::show_live(bool on) {
   live_shown_ = on;
   frames_to_draw_ = 3;
-}
-
-void Application::write_picture(const std::filesystem::path& file, const std::string& item) const {
-  std::optional<cv::Rect> area;
-  if (!item.empty()) {
-    const auto found = ui::places().items.find(item);
-    if (found == ui::places().items.end()) throw Error(file.string() + ": '" + item + "' is not shown");
-    const auto low = cv::Point2f(found->second.low.x, found->second.low.y);
-    const auto high = cv::Point2f(found->second.high.x, found->second.high.y);
-    area = cv::Rect(cv::Point(low), cv::Point(high));
-  }
-  const cv::Mat picture = window_->picture(area);
-  if (picture.empty()) throw Error(file.string() + ": there is nothing to take a picture of; enlarge the window");
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(file.extension().string(), picture, bytes)) {
-    throw Error(file.string() + ": is no kind of picture that can be written; name it .png");
-  }
-  write_text_file(file, std::string(bytes.begin(), bytes.end()));
 }
 
 void Application::write_state(const std::filesystem::path& file) const {

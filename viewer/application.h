@@ -12,6 +12,7 @@
 #include "viewer/live_pane.h"
 #include "viewer/measurements_pane.h"
 #include "viewer/outline_pane.h"
+#include "viewer/picture_dialog.h"
 #include "viewer/reslice_pane.h"
 #include "viewer/review_pane.h"
 #include "viewer/session.h"
@@ -54,6 +55,9 @@ class Application {
   void close_or_ask();
   std::optional<Eigen::Vector2d> find(const ScriptPoint& point) const;
   bool busy() const;
+  cv::Mat picture_of(const std::string& item) const;
+  void write_asked_picture(const PictureRequest& request);
+  std::vector<std::string> shown_panes() const;
   void write_picture(const std::filesystem::path& file, const std::string& item) const;
   void write_state(const std::filesystem::path& file) const;
   void write_bench(const std::filesystem::path& file, int frames);
@@ -73,6 +77,7 @@ class Application {
   LivePane live_;
   MeasurementsPane measurements_;
   FileDialog files_;
+  PictureDialog pictures_;
   JobBars bars_;
   std::vector<Action> actions_;
   bool help_ = false;

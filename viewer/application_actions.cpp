@@ -108,6 +108,8 @@ std::vector<Action> make_actions(Application& app) {
   add(
       "File", "Export without names...", {}, "the same without patient, operator, date, notes and B-scans",
       [ask_export] { ask_export(true); }, open);
+  add("File", "Picture...", ctrl(GLFW_KEY_P), "of the window or a pane, on request without names",
+      [&app] { app.pictures_.ask(); });
   add(
       "File", "Close exam", ctrl(GLFW_KEY_W), "", [&session] { session.close(); }, open);
   add("File", "Quit", ctrl(GLFW_KEY_Q), "", [&app] { app.close_or_ask(); });

@@ -100,6 +100,7 @@ void Application::draw_panes() {
   } else if (live_.draw(session_, settings_)) {
     show_live(false);
   }
+  if (live_shown_) ui::note("pane:Live", low, {low.x + left - (right_side ? bar : 0.0F), low.y + main - bar});
   ImGui::EndChild();
   if (right_side) {
     ui::splitter("split:left", true, {low.x + left - bar, low.y}, main - bar, whole.x, settings_.left);
@@ -165,6 +166,7 @@ void Application::draw_status() {
     ImGui::TextUnformatted("F1 shows the keys");
     return;
   }
+  if (session_.view.hides_names) return;
   ImGui::Text("%s%s", document->title().c_str(), document->is_modified() ? " *" : "");
 }
 

@@ -106,6 +106,7 @@ void LivePane::draw_sources(Session& session, Settings& settings) {
     }
     for (const FoundDevice& device : live_.devices()) {
       if (ImGui::Selectable((device.source + "  " + device.description).c_str())) settings.image_source = device.source;
+      ui::note_last("device:" + device.source);
     }
     ImGui::Spacing();
     for (const auto& [name, scheme] : live_.sources().schemes()) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "acquisition/live/default_sources.h"
 #include "registration/geometry_watch.h"
 #include "registration/judge_folder.h"
+#include "sim/live_simulation.h"
 
 namespace fathom {
 
@@ -42,7 +42,7 @@ class LiveView::Listener : public SessionListener {
 };
 
 LiveView::LiveView(std::function<void()> wake)
-    : sources_(default_sources()), listener_(std::make_unique<Listener>(std::move(wake))) {}
+    : sources_(all_sources()), listener_(std::make_unique<Listener>(std::move(wake))) {}
 
 LiveView::~LiveView() {
   if (recorder_) recorder_->end();

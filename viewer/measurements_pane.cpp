@@ -8,7 +8,6 @@
 
 #include <imgui.h>
 
-#include "core/numbers.h"
 #include "viewer/look.h"
 #include "viewer/widgets.h"
 
@@ -18,31 +17,6 @@ namespace {
 
 constexpr std::array<const char*, kExamTexts> kTexts{"Patient", "Operator", "Date", "Notes"};
 
-void error_line(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(255, 110, 100, 255));
-  ImGui::TextWrapped("%s", text.c_str());
-  ImGui::PopStyleColor();
-  if (ImGui::IsItemClicked()) ImGui::SetClipboardText(text.c_str());
-  ui::tip("Click to copy");
-}
-
-void warning_line(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(240, 180, 70, 255));
-  ImGui::TextWrapped("%s", text.c_str());
-  ImGui::PopStyleColor();
-  if (ImGui::IsItemClicked()) ImGui::SetClipboardText(text.c_str());
-}
-
-std::string ml_text(const std::optional<double>& ml) { return ml ? format_rounded(*ml, 2) + " ml" : "-"; }
-
-void row(const char* name, const std::string& value) {
-  ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  ImGui::TextUnformatted(name);
-  ImGui::TableNextColumn();
-  ImGui::TextUnformatted(value.c_str());
-}
-
 }  // namespace
 
 void MeasurementsPane::draw(Session& session) {
@@ -51,7 +25,7 @@ void MeasurementsPane::draw(Session& session) {
   const ImVec2 low = ImGui::GetWindowPos();
   ui::note("pane:Measurements", low, {low.x + ImGui::GetWindowWidth(), low.y + ImGui::GetWindowHeight()});
   if (!document->is_calibrated()) {
-    warning_line("No calibration: nothing can be measured. Drop a calibration file on the window.");
+    ui::warning("No calibration: nothing can be measured. Drop a calibration file on the window.");
   }
   for (std::size_t i = 0; i < document->structures().size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
@@ -68,7 +42,7 @@ void MeasurementsPane::draw(Session& session) {
     });
   }
   draw_planes(session);
-  draw_texts(session);
+  if (!session.view.hides_names) draw_texts(session);
 }
 
 void MeasurementsPane::draw_structure(Session& session, std::size_t index) {
@@ -78,16 +52,16 @@ void MeasurementsPane::draw_structure(Session& session, std::size_t index) {
   const StructureView* view = session.find_structure(id);
   if (view != nullptr && session.document()->is_calibrated()) {
     draw_volumes(session, index);
-    const bool measured = view->volumes.cubic_ml.has_value();
-    if (!measured && !view->warnings.empty()) error_line(view->warnings.front());
-    if (measured && !view->surface.fault.empty()) error_line("Surface: " + view->surface.fault);
+    const bool measured = view->volumes.recommended_ml().has_value();
+    if (!measured && !view->warnings.empty()) ui::fault(session.text_to_show(view->warnings.front()));
+    if (measured && !view->surface.fault.empty()) ui::fault("Surface: " + session.text_to_show(view->surface.fault));
     if (view->surface.cancelled) {
-      warning_line("Surface: cancelled; what is shown is of an earlier state, if anything");
+      ui::warning("Surface: cancelled; what is shown is of an earlier state, if anything");
       if (ui::button("Make the surface", "After all")) session.retry_surface(id);
     }
     if (session.active_structure() == index) {
       draw_graph(session, index);
-      for (const std::string& warning : view->warnings) warning_line(warning);
+      for (const std::string& warning : view->warnings) ui::warning(session.text_to_show(warning));
     }
   }
   ImGui::Separator();
@@ -113,6 +87,8 @@ void MeasurementsPane::draw_style(Session& session, std::size_t index) {
     session.attempt(structure_name, [&] { document.recolor_structure(index, text); });
   }
   ImGui::SameLine();
+  draw_opacity(session, index);
+  ImGui::SameLine();
   if (named_ != id) name_ = structure_name;
   std::string& name = name_;
   ImGui::SetNextItemWidth(-2.2F * ui::em());
@@ -130,47 +106,6 @@ void MeasurementsPane::draw_style(Session& session, std::size_t index) {
   }
   ui::note_last("remove structure " + std::to_string(index + 1));
   ui::tip("Remove this structure with all of its outlines (can be undone)");
-}
-
-void MeasurementsPane::update_ellipsoid(const Session& session, std::size_t index) {
-  const Document& document = *session.document();
-  Ellipsoid& kept = ellipsoids_[document.content().ids[index]];
-  const std::uint64_t revision = document.structure_revision(index) + document.placement_revision();
-  if (kept.revision == revision) return;
-  kept.revision = revision;
-  kept.volume = ellipsoid_volume(document.structures()[index], document.scan()->locators.front(), 0);
-}
-
-void MeasurementsPane::draw_volumes(const Session& session, std::size_t index) {
-  update_ellipsoid(session, index);
-  const std::uint64_t id = session.document()->content().ids[index];
-  const StructureView& view = *session.find_structure(id);
-  if (!ImGui::BeginTable("volumes", 2, ImGuiTableFlags_SizingStretchProp)) return;
-  row("Sections", std::to_string(view.section_count));
-  row("Volume", ml_text(view.volumes.cubic_ml));
-  ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  ImGui::TextUnformatted("Change");
-  ui::tip("Since the last action");
-  ImGui::TableNextColumn();
-  std::string change = "-";
-  if (view.volumes.cubic_ml && view.volume_before_ml) {
-    const double step = *view.volumes.cubic_ml - *view.volume_before_ml;
-    change = (step >= 0.0 ? "+" : "") + format_rounded(step, 2) + " ml";
-    if (*view.volume_before_ml > 0.0) {
-      const double percent = 100.0 * step / *view.volume_before_ml;
-      change += std::string(" (") + (percent >= 0.0 ? "+" : "") + format_rounded(percent, 1) + " %)";
-    }
-  }
-  ImGui::TextUnformatted(change.c_str());
-  row("Surface", ml_text(view.surface.volume_ml));
-  const auto& ellipsoid = ellipsoids_.at(id).volume;
-  if (ellipsoid) {
-    const Eigen::Vector3d& d = ellipsoid->diameters_mm;
-    row("L x W x H x 0.52", ml_text(ellipsoid->volume_ml));
-    row("", format_rounded(d[0], 1) + " x " + format_rounded(d[1], 1) + " x " + format_rounded(d[2], 1) + " mm");
-  }
-  ImGui::EndTable();
 }
 
 // Areas over the way of the centroids; a click shows the section's frame.
@@ -208,13 +143,26 @@ void MeasurementsPane::draw_graph(Session& session, std::size_t index) {
     if (std::abs(points[i].x - mouse.x) < std::abs(points[nearest].x - mouse.x)) nearest = i;
   }
   char text[96];
-  std::snprintf(text, sizeof text, "area, up to %.2f cm2, along %.0f mm", largest / 100.0, way.back());
+  std::snprintf(text, sizeof text, "up to %.2f cm2, along %.0f mm", largest / 100.0, way.back());
   list.AddText({low.x + margin, low.y + 1.0F}, ImGui::GetColorU32(ImGuiCol_Text), text);
   if (ImGui::IsItemHovered()) {
     ImGui::SetTooltip("frame %d: %.2f cm2", view.sections[nearest].frame,
                       view.sections[nearest].vector_area_mm2.norm() / 100.0);
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) session.show_frame(view.sections[nearest].frame);
   }
+}
+
+// A drag of the slider is one action.
+void MeasurementsPane::draw_opacity(Session& session, std::size_t index) {
+  Document& document = *session.document();
+  const std::string name = document.structures()[index].name;
+  float percent = static_cast<float>(100.0 * document.structures()[index].opacity);
+  const std::string label = "##opacity " + std::to_string(index + 1);
+  const bool moved = ui::slider(label.c_str(), percent, 0.0F, 100.0F, "%.0f %%", 3.0F * ui::em());
+  ui::tip("How solid the surface is in Outline");
+  if (ImGui::IsItemActivated()) document.begin_action("Change opacity");
+  if (moved) session.attempt(name, [&] { document.set_opacity(index, std::round(percent) / 100.0); });
+  if (ImGui::IsItemDeactivated() && document.in_action()) document.end_action();
 }
 
 void MeasurementsPane::draw_planes(Session& session) {

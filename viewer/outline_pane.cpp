@@ -181,7 +181,6 @@ std::vector<double> OutlinePane::picture_of(const Session& session, cv::Size siz
   std::vector<double> state{static_cast<double>(size.width),
                             static_cast<double>(size.height),
                             static_cast<double>(ImGui::GetStyleColorVec4(ImGuiCol_WindowBg).x),
-                            static_cast<double>(view.surface_alpha),
                             (view.show_posts ? 1.0 : 0.0) + (view.show_outlines ? 2.0 : 0.0) +
                                 (view.show_planes ? 4.0 : 0.0) + (view.show_surfaces ? 8.0 : 0.0),
                             camera_.mm_per_pixel,
@@ -219,15 +218,24 @@ void OutlinePane::render(const Session& session, cv::Size size) {
 
   gl::DepthMask(GL_FALSE);
   if (view.show_planes) faint_discs_.draw_triangles();
-  // Far sides first, so that near ones lie over them; within a side the order hardly shows on organs.
   const std::vector<std::uint64_t>& ids = session.document()->content().ids;
+  const auto draw_surfaces = [&](const auto& wanted) {
+    for (std::size_t i = 0; view.show_surfaces && i < ids.size(); ++i) {
+      const Structure& structure = session.document()->structures()[i];
+      if (!wanted(structure.opacity)) continue;
+      program_.use(clip, eye, tint_of(structure.color, static_cast<float>(structure.opacity)));
+      surfaces_.at(ids[i])->vertices.draw_triangles();
+    }
+  };
+  // Solid ones hide what lies behind them, of others too.
+  gl::DepthMask(GL_TRUE);
+  draw_surfaces([](double opacity) { return opacity >= 1.0; });
+  gl::DepthMask(GL_FALSE);
+  // Far sides first, so that near ones lie over them; within a side the order hardly shows on organs.
   for (const unsigned side : {GL_FRONT, GL_BACK}) {
     gl::Enable(GL_CULL_FACE);
     gl::CullFace(side);
-    for (std::size_t i = 0; view.show_surfaces && i < ids.size(); ++i) {
-      program_.use(clip, eye, tint_of(session.document()->structures()[i].color, view.surface_alpha));
-      surfaces_.at(ids[i])->vertices.draw_triangles();
-    }
+    draw_surfaces([](double opacity) { return opacity > 0.0 && opacity < 1.0; });
     gl::Disable(GL_CULL_FACE);
   }
   gl::DepthMask(GL_TRUE);

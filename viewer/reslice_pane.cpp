@@ -60,7 +60,7 @@ void ReslicePane::draw_view(Session& session, std::size_t index, ImVec2 low, ImV
   if (!view.error.empty()) {
     ImGui::SetCursorScreenPos(low);
     ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + size.x);
-    ImGui::TextWrapped("%s", view.error.c_str());
+    ImGui::TextWrapped("%s", session.text_to_show(view.error).c_str());
     ImGui::PopTextWrapPos();
     list.PopClipRect();
     return;
@@ -78,6 +78,8 @@ void ReslicePane::draw_view(Session& session, std::size_t index, ImVec2 low, ImV
     list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(textures_[index].id())), place.at(-half_mm),
                   place.at(half_mm));
   }
+  // Letters burned into images lie anywhere in a plane through them.
+  if (session.view.hides_names) list.AddRectFilled(low, high, IM_COL32(0, 0, 0, 255));
   list.AddRect(place.at(-half_mm), place.at(half_mm), kColors[index], 0.0F, 0, 1.5F);
   if (const auto placed = session.reference_from_image()) {
     const auto line = crossing(view.plane, frame_normal(*placed), placed->translation());

@@ -165,4 +165,22 @@ void draw_hatched(const std::vector<Eigen::Vector2d>& polygon_px, const ImagePla
   }
 }
 
+void cover_names(const std::optional<cv::Rect>& nameless_px, const ImagePlace& place, ImVec2 low, ImVec2 high,
+                 ImDrawList& list) {
+  constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
+  if (!nameless_px) return list.AddRectFilled(low, high, kBlack);
+  // From the middles of its outer pixels, which pixels farther out do not shine into.
+  const cv::Rect& part = *nameless_px;
+  const Eigen::Vector2d first = place.to_window({part.x, part.y});
+  const Eigen::Vector2d last = place.to_window({part.x + part.width - 1, part.y + part.height - 1});
+  const auto left = static_cast<float>(std::ceil(first.x()));
+  const auto top = static_cast<float>(std::ceil(first.y()));
+  const auto right = static_cast<float>(std::floor(last.x()));
+  const auto bottom = static_cast<float>(std::floor(last.y()));
+  list.AddRectFilled(low, {left, high.y}, kBlack);
+  list.AddRectFilled({right, low.y}, high, kBlack);
+  list.AddRectFilled(low, {high.x, top}, kBlack);
+  list.AddRectFilled({low.x, bottom}, high, kBlack);
+}
+
 }  // namespace fathom

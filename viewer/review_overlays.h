@@ -1,15 +1,20 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
-
-struct ImDrawList;
+#include <imgui.h>
+#include <opencv2/core/types.hpp>
 
 namespace fathom {
 
 class Session;
 struct ImagePlace;
+
+/// Blackens all of a pane from `low` to `high` but a part of the image; all of it where there is none.
+void cover_names(const std::optional<cv::Rect>& nameless_px, const ImagePlace& place, ImVec2 low, ImVec2 high,
+                 ImDrawList& list);
 
 /// Outlines, holes, extremities and marks of all structures on the shown frame; points of the active one where a tool
 /// takes them.

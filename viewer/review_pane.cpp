@@ -168,6 +168,7 @@ void ReviewPane::draw(Session& session, const std::vector<Eigen::Vector2d>& path
     list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture_.id())), place_.at({-0.5, -0.5}),
                   place_.at({image_.cols - 0.5, image_.rows - 0.5}));
   }
+  if (session.view.hides_names) cover_names(session.view.nameless_px, place_, low, high, list);
   draw_overlays(session, list);
   draw_corner_text(session, list, low, size);
   list.PopClipRect();
@@ -207,7 +208,7 @@ void ReviewPane::draw_corner_text(Session& session, ImDrawList& list, ImVec2 low
   const ImU32 color = IM_COL32(255, 220, 120, 255);
   list.AddText({low.x + 4.0F, low.y + size.y - line}, color, text);
   const FrameHeader& frame = session.header()->frames[static_cast<std::size_t>(view.frame)];
-  std::string doubt = error_;
+  std::string doubt = error_.empty() || !view.hides_names ? error_ : "the image cannot be read";
   if (doubt.empty() && !frame.image_valid()) doubt = "image marked invalid";
   if (doubt.empty() && session.document()->is_calibrated() && !session.reference_from_image()) doubt = "no pose";
   if (!doubt.empty()) list.AddText({low.x + 4.0F, low.y + 4.0F}, IM_COL32(255, 90, 90, 255), doubt.c_str());

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "exam/anonymous.h"
 #include "viewer/calibration_beside.h"
 
 namespace fathom {
@@ -102,6 +103,10 @@ bool Session::attempt(const std::string& about, const std::function<void()>& com
     say(about, error.what());
     return false;
   }
+}
+
+std::string Session::text_to_show(const std::string& text) const {
+  return view.hides_names && document_ ? without_file_names(text, document_->snapshot()) : text;
 }
 
 void Session::say(std::string about, std::string text, bool is_error) {

@@ -58,6 +58,8 @@ class Session {
 
   /// Does what the user asked for; an Error becomes a message about `about`, and an action under way is taken back.
   bool attempt(const std::string& about, const std::function<void()>& command);
+  /// The same, or without names of files where the view hides names.
+  std::string text_to_show(const std::string& text) const;
   void say(std::string about, std::string text, bool is_error = true);
   std::vector<Message>& messages() { return messages_; }
   const std::vector<Message>& messages() const { return messages_; }

@@ -21,7 +21,7 @@ Json points_json(const std::vector<Eigen::Vector2d>& points) {
 Json structure_json(const Session& session, std::size_t index) {
   const Document& document = *session.document();
   const Structure& structure = document.structures()[index];
-  Json json{{"name", structure.name}, {"color", structure.color}};
+  Json json{{"name", structure.name}, {"color", structure.color}, {"opacity", structure.opacity}};
   json["contours"] = Json::array();
   for (const Contour& contour : structure.contours) {
     json["contours"].push_back({{"recording", contour.recording},
@@ -36,13 +36,15 @@ Json structure_json(const Session& session, std::size_t index) {
   const StructureView* view = session.find_structure(document.content().ids[index]);
   if (view == nullptr) return json;
   json["sections"] = view->section_count;
-  json["volume_ml"] = number_or_null(view->volumes.cubic_ml);
+  json["volume_ml"] = number_or_null(view->volumes.recommended_ml());
   json["volume_before_ml"] = number_or_null(view->volume_before_ml);
   json["surface_ml"] = number_or_null(view->surface.volume_ml);
   json["triangles"] = view->surface.mesh ? view->surface.mesh->triangles.size() : 0;
   json["surface_fault"] = view->surface.fault;
   json["surface_cancelled"] = view->surface.cancelled;
   json["warnings"] = view->warnings;
+  json["confidence_fault"] = view->confidence.fault;
+  if (view->confidence_is_current) add_confidence(view->confidence.confidence, json);
   return json;
 }
 

@@ -18,8 +18,11 @@ void StructureViews::update(const Document& document, Worker& worker) {
     if (!document.is_calibrated()) continue;
     measure(document, i, view);
     take_surface(ids[i], results_.surface(i), view, worker);
+    take_confidence(document, i, view);
   }
-  if (document.is_calibrated() && !document.in_action()) results_.request_surfaces();
+  if (!document.is_calibrated() || document.in_action()) return;
+  confidences_.request();  // before the surfaces, as they take longer
+  results_.request_surfaces();
 }
 
 void StructureViews::measure(const Document& document, std::size_t structure, StructureView& view) {
@@ -33,8 +36,15 @@ void StructureViews::measure(const Document& document, std::size_t structure, St
   view.warnings = measured.warnings;
   view.section_count = measured.sections;
   view.sections = results_.sections(structure);
-  if (document.in_action() || view.volume_settled_ml == view.volumes.cubic_ml) return;
-  view.volume_before_ml = std::exchange(view.volume_settled_ml, view.volumes.cubic_ml);
+  if (document.in_action() || view.volume_settled_ml == view.volumes.recommended_ml()) return;
+  view.volume_before_ml = std::exchange(view.volume_settled_ml, view.volumes.recommended_ml());
+}
+
+void StructureViews::take_confidence(const Document& document, std::size_t structure, StructureView& view) {
+  const LiveConfidence& newest = confidences_.of(structure);
+  view.confidence_is_current = newest.revision == document.result_revision(structure);
+  const bool same = newest.revision == view.confidence.revision && newest.cancelled == view.confidence.cancelled;
+  if (!same) view.confidence = newest;
 }
 
 // Corners for the graphics card are made beside the frame, as they take longer than a frame may.
@@ -63,7 +73,9 @@ void StructureViews::take_surface(std::uint64_t id, const LiveSurface& surface, 
 
 void StructureViews::cancel(const Document& document, const std::string& key) {
   for (std::size_t i = 0; i < document.structures().size(); ++i) {
-    if (key == "surface " + std::to_string(document.content().ids[i])) results_.cancel_surface(i);
+    const std::string id = std::to_string(document.content().ids[i]);
+    if (key == "surface " + id) results_.cancel_surface(i);
+    if (key == "interval " + id) confidences_.cancel(i);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <opencv2/core/types.hpp>
 
 namespace fathom {
 
@@ -40,7 +41,10 @@ struct ViewState {
   bool show_surfaces = true;
   bool show_posts = true;
   bool show_planes = true;
-  float surface_alpha = 0.55F;
+
+  /// For a picture that tells nobody's name: no texts of the exam and names of files, and of B-scans only this part.
+  bool hides_names = false;
+  std::optional<cv::Rect> nameless_px;  ///< empty: no B-scan at all
 };
 
 /// The names of tools, in the order of Tool.

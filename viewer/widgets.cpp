@@ -19,6 +19,14 @@ std::string visible(const char* label) {
   return shown.empty() ? text.substr(2) : shown;
 }
 
+void copied_text(const std::string& text, ImU32 color) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+  if (ImGui::IsItemClicked()) ImGui::SetClipboardText(text.c_str());
+  tip("Click to copy");
+}
+
 }  // namespace
 
 void new_frame() { last_places = std::exchange(current_places, Places()); }
@@ -32,6 +40,10 @@ void note_last(const std::string& name) { note(name, ImGui::GetItemRectMin(), Im
 void tip(const char* text) {
   if (text != nullptr && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", text);
 }
+
+void fault(const std::string& text) { copied_text(text, IM_COL32(255, 110, 100, 255)); }
+
+void warning(const std::string& text) { copied_text(text, IM_COL32(240, 180, 70, 255)); }
 
 bool button(const char* label, const char* about, bool pressed, bool enabled) {
   if (pressed) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));

@@ -34,6 +34,9 @@ bool combo(const char* label, int& index, const std::vector<std::string>& names,
 bool text(const char* label, std::string& value, float width = 0.0F);
 bool slider(const char* label, float& value, float low, float high, const char* format = "%.1f", float width = 0.0F);
 void tip(const char* text);
+/// A text in the colour of faults or of warnings, which a click copies.
+void fault(const std::string& text);
+void warning(const std::string& text);
 
 /// A bar between two panes, to be dragged: `share` is the first one's part of `length`. Vertical bars stand between
 /// panes side by side.

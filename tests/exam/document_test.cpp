@@ -51,6 +51,7 @@ void work_at_random(Document& document, std::uint64_t seed) {
           break;
         case 3:
           document.recolor_structure(s, "#00ff0" + std::to_string(below(9)));
+          document.set_opacity(s, 0.25 * static_cast<double>(below(5)));
           break;
         case 4:
           document.add_contour(s, triangle(frame, point.x()));
@@ -185,6 +186,12 @@ TEST_F(Documents, TellsWhatChanged) {
   const auto drawn = document.structure_revision(1);
   document.undo();
   EXPECT_GT(document.structure_revision(1), drawn) << "undoing is a change";
+  const auto seen = document.revision();
+  document.set_opacity(1, 0.25);
+  document.recolor_structure(1, "#112233");
+  EXPECT_GT(document.revision(), seen);
+  EXPECT_EQ(document.structure_revision(0), box) << "how it looks is no matter of volumes and surfaces";
+  EXPECT_GT(document.revision(), document.structure_revision(1));
   document.split_sweep(0, 5);
   EXPECT_GT(document.division_revision(), division);
   document.remove_structure(0);

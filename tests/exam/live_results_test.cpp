@@ -58,6 +58,7 @@ class Live : public ::testing::Test {
     EXPECT_EQ(now.volumes.linear_ml, expected.volumes.linear_ml);
     EXPECT_EQ(now.volumes.cubic_ml, expected.volumes.cubic_ml);
     EXPECT_EQ(now.volumes.cubic_3d_ml, expected.volumes.cubic_3d_ml);
+    EXPECT_EQ(now.volumes.quadric_ml, expected.volumes.quadric_ml);
     EXPECT_EQ(now.sections, expected.sections);
     EXPECT_EQ(now.warnings, expected.warnings);
   }

@@ -77,7 +77,12 @@ TEST_F(Report, HoldsTextsVolumesSectionsAndPicturesInOneFile) {
   const std::string html = report_html(document, content, {"Fathom test", false, {}});
   EXPECT_NE(html.find("Smith &amp; &lt;script&gt;"), std::string::npos);
   EXPECT_EQ(html.find("<script>"), std::string::npos) << "what people type is not run";
-  EXPECT_NE(html.find("<tr><td>linear planimetry</td><td>8.00</td></tr>"), std::string::npos);
+  const std::size_t first =
+      html.find("<tr><td>quadric planimetry</td><td>8.00</td></tr>\n<tr><td>its 95 % interval</td>");
+  EXPECT_NE(first, std::string::npos) << "the number to quote comes first, with its interval";
+  EXPECT_LT(first, html.find("<tr><td>linear planimetry</td><td>8.00</td></tr>"));
+  EXPECT_NE(html.find("how much of it lies before that frame cannot be told"), std::string::npos) << "missing ends";
+  EXPECT_NE(html.find("fill=\"#10c020\""), std::string::npos) << "the graph of areas";
   // Eleven sections of 2 cm2, 4 mm apart.
   EXPECT_NE(html.find("<tr><td>1</td><td>1</td><td>10</td><td>40.0</td><td>2.00</td></tr>"), std::string::npos);
   EXPECT_NE(html.find("still large"), std::string::npos) << "warnings";

@@ -70,6 +70,7 @@ TEST_F(Contours, ReadBackAsTheyWereWrittenToTheLastBit) {
   structures[0].absent = {{50, 0}, {7, 1}};
   structures[0].extremities = {{1, {0.1, 1e6}, 0}};
   structures[1].name = "tumour";
+  structures[1].opacity = 0.1 + 0.2;
 
   const std::vector<Structure> read = read_contours(file(contours_json(structures)));
 
@@ -78,6 +79,8 @@ TEST_F(Contours, ReadBackAsTheyWereWrittenToTheLastBit) {
   EXPECT_EQ(read[0].color, "#A0b1c2");
   EXPECT_EQ(read[1].name, "tumour");
   EXPECT_EQ(read[1].color, Structure().color);
+  EXPECT_EQ(read[0].opacity, kUsualOpacity);
+  EXPECT_EQ(read[1].opacity, 0.1 + 0.2);
   ASSERT_EQ(read[0].contours.size(), 4u);
   const std::size_t order[] = {1, 2, 0, 3};  // by recording and frame, and as they stood
   for (std::size_t i = 0; i < 4; ++i) {
@@ -165,7 +168,8 @@ TEST_F(Contours, RefuseNamesAndColoursThatCannotBeShown) {
   EXPECT_EQ(complaint(structure(R"("name": "a", "color": "#00FFaa")")), "");
   for (const char* members :
        {R"("name": "")", R"("name": 1)", R"("name": "a\nb")", R"("name": "a\u009b1m")",
-        R"("name": "a", "color": "red")", R"("name": "a", "color": "#12345")", R"("name": "a", "color": "#12345g")"}) {
+        R"("name": "a", "color": "red")", R"("name": "a", "color": "#12345")", R"("name": "a", "color": "#12345g")",
+        R"("name": "a", "opacity": 1.5)", R"("name": "a", "opacity": -0.1)", R"("name": "a", "opacity": "half")"}) {
     EXPECT_NE(complaint(structure(members)), "") << members;
   }
   EXPECT_NE(complaint(structure("\"name\": \"" + std::string(1000, 'a') + "\"")), "");

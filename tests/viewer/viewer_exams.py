@@ -55,7 +55,7 @@ class Shared:
         contours.write_text(contours_text)
         out = json.loads(fathom(self.program, "measure", self.scan, "--calibration", self.calibration, "--contours",
                                 contours, "--json"))
-        return out["structures"][0]["volume_ml"]["cubic_planimetry"]
+        return out["structures"][0]["volume_ml"][out["structures"][0]["recommended"]]
 
 
 def draw(points):

@@ -1,0 +1,131 @@
+#include <string>
+
+#include <imgui.h>
+
+#include "core/numbers.h"
+#include "viewer/measurements_pane.h"
+#include "viewer/widgets.h"
+
+namespace fathom {
+
+namespace {
+
+std::string ml_text(const std::optional<double>& ml) { return ml ? format_rounded(*ml, 2) + " ml" : "-"; }
+
+void name_cell(const char* name, const char* tip = nullptr) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(name);
+  if (tip != nullptr) ui::tip(tip);
+  ImGui::TableNextColumn();
+}
+
+void row(const char* name, const std::string& value, const char* tip = nullptr) {
+  name_cell(name, tip);
+  ImGui::TextWrapped("%s", value.c_str());
+}
+
+// What the interval comes from.
+std::string parts_text(const VolumeInterval& interval) {
+  std::string text = "Standard deviations in ml: by what lies between sections and the scatter of outlines " +
+                     format_rounded(interval.spacing_ml, 2);
+  text += "\nby the calibration, as far as it says how sure it is " + format_rounded(interval.calibration_ml, 2);
+  return text + "\nIt is of the part between the outer sections.";
+}
+
+std::string change_text(const PlanimetryVolumes& volumes, const std::optional<double>& before_ml) {
+  const auto& now_ml = volumes.recommended_ml();
+  if (!now_ml || !before_ml) return "-";
+  const auto with_sign = [](double value, int decimals) {
+    return (value >= 0.0 ? "+" : "") + format_rounded(value, decimals);
+  };
+  const double step = *now_ml - *before_ml;
+  std::string text = with_sign(step, 2) + " ml";
+  if (*before_ml > 0.0) text += " (" + with_sign(100.0 * step / *before_ml, 1) + " %)";
+  return text;
+}
+
+void frame_button(Session& session, const std::string& item, int frame) {
+  if (ImGui::SmallButton(("Frame " + std::to_string(frame) + "##" + item).c_str())) session.show_frame(frame);
+  ui::note_last(item);
+  ui::tip("Show this frame");
+}
+
+void draw_missing_end(Session& session, const MissingEnd& end, const std::string& item) {
+  const std::string whole = warning_of(end);
+  name_cell("Missing end", whole.c_str());
+  frame_button(session, item, end.frame);
+  const std::string where = end.first ? "before it" : "behind it";
+  std::string text = "how much lies " + where + " cannot be told";
+  if (end.volume_ml) {
+    text = "about " + format_rounded(*end.volume_ml, 2) + " ml (0 to " + format_rounded(end.high_ml, 2) + ") " + where +
+           ", not in the volume";
+  }
+  ImGui::TextWrapped("%s", text.c_str());
+  ui::tip(whole.c_str());
+}
+
+}  // namespace
+
+void MeasurementsPane::update_ellipsoid(const Session& session, std::size_t index) {
+  const Document& document = *session.document();
+  Ellipsoid& kept = ellipsoids_[document.content().ids[index]];
+  const std::uint64_t revision = document.structure_revision(index) + document.placement_revision();
+  if (kept.revision == revision) return;
+  kept.revision = revision;
+  kept.volume = ellipsoid_volume(document.structures()[index], document.scan()->locators.front(), 0);
+}
+
+void MeasurementsPane::draw_volumes(Session& session, std::size_t index) {
+  update_ellipsoid(session, index);
+  const std::uint64_t id = session.document()->content().ids[index];
+  const StructureView& view = *session.find_structure(id);
+  if (!ImGui::BeginTable("volumes", 2, ImGuiTableFlags_SizingStretchProp)) return;
+  row("Sections", std::to_string(view.section_count));
+  row("Volume", ml_text(view.volumes.recommended_ml()));
+  if (view.volumes.recommended_ml()) {
+    name_cell("");
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("by %s", kRecommendedMethod);
+    ImGui::PopStyleColor();
+    draw_confidence(session, view);
+  }
+  row("Change", change_text(view.volumes, view.volume_before_ml), "By the last action");
+  row("Surface", ml_text(view.surface.volume_ml));
+  const auto& ellipsoid = ellipsoids_.at(id).volume;
+  if (ellipsoid) {
+    const Eigen::Vector3d& d = ellipsoid->diameters_mm;
+    row("Ellipsoid", ml_text(ellipsoid->volume_ml),
+        "For comparison: length x width x height x 0.52 along the outlines' own axes");
+    row("", format_rounded(d[0], 1) + " x " + format_rounded(d[1], 1) + " x " + format_rounded(d[2], 1) + " mm");
+  }
+  ImGui::EndTable();
+}
+
+// While an outline moves, what is known is of another state and not shown.
+void MeasurementsPane::draw_confidence(Session& session, const StructureView& view) {
+  name_cell("95 % interval");
+  if (!view.confidence_is_current) return ImGui::TextDisabled("...");
+  const LiveConfidence& known = view.confidence;
+  const auto& interval = known.confidence.interval;
+  if (known.cancelled) return ImGui::TextDisabled("cancelled");
+  if (!known.fault.empty()) return ImGui::TextWrapped("%s", session.text_to_show(known.fault).c_str());
+  if (interval) {
+    ImGui::Text("%s to %s ml", format_rounded(interval->low_ml, 2).c_str(),
+                format_rounded(interval->high_ml, 2).c_str());
+    ui::tip(parts_text(*interval).c_str());
+  } else {
+    ImGui::TextDisabled("from four sections on");
+  }
+  if (const auto next = next_worth_outlining(known.confidence)) {
+    name_cell("Outline next", "The frame whose outline would tell most about the volume");
+    frame_button(session, "outline next", next->frame);
+    ImGui::TextWrapped("surer by about %s ml", format_rounded(next->gain_ml, 2).c_str());
+  }
+  int number = 0;
+  for (const MissingEnd& end : known.confidence.missing_ends) {
+    draw_missing_end(session, end, "missing end " + std::to_string(++number));
+  }
+}
+
+}  // namespace fathom
