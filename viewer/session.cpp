@@ -68,6 +68,7 @@ void Session::take_document(std::unique_ptr<Document> document, const std::files
   const ViewState before = view;
   view = ViewState();
   view.brush_px = before.brush_px;
+  view.assist = before.assist;
   view.show_surfaces = before.show_surfaces;
   if (const RecordingHeader* shown = header(); shown != nullptr && shown->frame_count() > 0) {
     // The outlined part is what one wants to see; else the middle.
@@ -130,11 +131,7 @@ void Session::show_frame(int frame) {
   const int count = frame_count();
   if (count == 0) return;
   const int wanted = std::clamp(frame, 0, count - 1);
-  if (wanted != view.frame) {
-    view.line_px.clear();
-    view.ruler_px.clear();
-    view.chosen.reset();
-  }
+  if (wanted != view.frame) view.drop_unfinished();
   view.frame = wanted;
 }
 
@@ -142,9 +139,7 @@ void Session::show_recording(int recording) {
   if (!document_ || recording < 0 || static_cast<std::size_t>(recording) >= document_->scan()->recordings.size())
     return;
   view.recording = recording;
-  view.line_px.clear();
-  view.ruler_px.clear();
-  view.chosen.reset();
+  view.drop_unfinished();
   view.frame = std::clamp(view.frame, 0, std::max(0, frame_count() - 1));
 }
 
