@@ -30,18 +30,18 @@ void Session::save() {
 }
 
 void Session::save_as(const std::filesystem::path& folder) {
-  attempt("save as", [&] {
-    start_saving(document_->begin_save_as(folder), "Saving to " + folder.filename().string());
-    if (on_opened) on_opened(folder);
-  });
+  attempt("save as",
+          [&] { start_saving(document_->begin_save_as(folder), "Saving to " + folder.filename().string(), folder); });
 }
 
-void Session::start_saving(std::shared_ptr<PendingSave> pending, const std::string& title) {
+void Session::start_saving(std::shared_ptr<PendingSave> pending, const std::string& title,
+                           const std::filesystem::path& opened) {
   const Document* of = document_.get();
-  const auto work = [this, pending, of](const Progress& progress) -> std::function<void()> {
+  const auto work = [this, pending, of, opened](const Progress& progress) -> std::function<void()> {
     pending->write(progress);
-    return [this, pending, of] {
+    return [this, pending, of, opened] {
       if (document_.get() == of) attempt("save", [&] { document_->finish_save(*pending); });
+      if (!opened.empty() && on_opened) on_opened(opened);
     };
   };
   worker_.start({"save", title, work, [this](const std::string& error) { say("save", error); }});
