@@ -43,6 +43,7 @@ class Application {
   void draw_toolbar();
   void draw_panes();
   void draw_right_side(ImVec2 low, ImVec2 size);
+  void draw_first_steps(const char* pane);
   void draw_status();
   void draw_messages();
   void draw_close_question();

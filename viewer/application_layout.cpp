@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 
 #include <imgui.h>
 
 #include "viewer/application.h"
+#include "viewer/first_steps.h"
 #include "viewer/timeline_pane.h"
 #include "viewer/tool_options.h"
 #include "viewer/widgets.h"
@@ -92,6 +94,7 @@ void Application::draw_panes() {
 
   begin_pane("Review", low, {left - (right_side ? bar : 0.0F), main - bar});
   if (!live_shown_) {
+    if (session_.document() == nullptr) draw_welcome(actions_);
     review_.draw(session_, window_->pointer_path());
   } else if (live_.draw(session_, settings_)) {
     show_live(false);
@@ -104,12 +107,22 @@ void Application::draw_panes() {
   if (settings_.show_timeline) {
     ui::splitter("split:main", false, {low.x, low.y + main - bar}, whole.x, whole.y, settings_.main);
     begin_pane("Timeline", {low.x, low.y + main}, {whole.x, whole.y - main});
+    draw_first_steps("Timeline");
     draw_timeline(session_);
     ImGui::EndChild();
   }
   ImGui::SetCursorScreenPos({low.x, low.y + whole.y + 2.0F});
   draw_status();
   ImGui::End();
+}
+
+// Before the pane's own things, which are none as long as these are there.
+void Application::draw_first_steps(const char* pane) {
+  const Document* document = session_.document();
+  if (document == nullptr) draw_purpose(pane);
+  if (document != nullptr && !document->is_calibrated() && std::string_view(pane) == "Outline") {
+    draw_calibration_missing(session_, actions_);
+  }
 }
 
 void Application::draw_right_side(ImVec2 low, ImVec2 size) {
@@ -122,11 +135,13 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
   const float inner = width - (last ? bar : 0.0F);
   if (settings_.show_outline) {
     begin_pane("Outline", low, {inner, upper - (both ? bar : 0.0F)});
+    draw_first_steps("Outline");
     outline_.draw(session_);
     ImGui::EndChild();
   }
   if (settings_.show_reslice) {
     begin_pane("Reslice", {low.x, low.y + upper}, {inner, size.y - upper});
+    draw_first_steps("Reslice");
     reslice_.draw(session_);
     ImGui::EndChild();
   }
@@ -136,6 +151,7 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
   }
   if (last) {
     begin_pane("Measurements", {low.x + width, low.y}, {size.x - width, size.y}, 0);
+    draw_first_steps("Measurements");
     measurements_.draw(session_);
     ImGui::EndChild();
   }

@@ -58,7 +58,21 @@ def work_is_found_again_after_a_kill(viewer, shared):
     assert len(structure(run.state())["contours"]) == 9 and len(structure(run.state("undone"))["contours"]) == 8
 
 
+def first_steps_lead_to_a_calibrated_recording(viewer, shared):
+    begin = viewer.run(events=[{"frames": 3}, picture("empty"), {"click": "welcome:Live"}, {"frames": 3}, DUMP,
+                               picture("live"), {"key": "F4"}, {"frames": 2}, {"click": "welcome:Keys and mouse"},
+                               {"frames": 3}, picture("keys", "pane:Help")])
+    assert begin.picture("live").differs(begin.picture("empty")) > 2000 and begin.picture("keys").width > 300
+    run = viewer.run(shared.scan, events=[IDLE, {"dump": "bare.json"}, picture("bare", "pane:Review"),
+                                          {"click": "Use the calibration beside"}, IDLE, DUMP,
+                                          picture("space", "pane:Outline")])
+    assert not run.state("bare")["document"]["calibrated"] and run.state()["document"]["calibrated"]
+    assert run.picture("space").count(lambda r, g, b: r > 100) > 100, "no frames in space"
+    again = viewer.run(events=[{"frames": 3}, {"click": f"recent:{shared.scan}"}, IDLE, DUMP])
+    assert again.state()["view"]["frames"] == 12
+
+
 SCENARIOS = [
-    light_and_larger, panes_are_resized_and_kept, help_page_shows_the_keys, saved_as_an_exam,
-    work_is_found_again_after_a_kill,
+    light_and_larger, panes_are_resized_and_kept, help_page_shows_the_keys, first_steps_lead_to_a_calibrated_recording,
+    saved_as_an_exam, work_is_found_again_after_a_kill,
 ]
