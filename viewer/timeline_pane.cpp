@@ -15,6 +15,8 @@ namespace fathom {
 
 namespace {
 
+constexpr float kRest_s = 1.2F;  // before the pane is explained
+
 // Where frames lie along the bar.
 struct Track {
   ImVec2 low;
@@ -87,6 +89,15 @@ void draw_structures(const Session& session, const Track& track, float y, float 
   }
 }
 
+// Whether the pointer has been still on the item for a while: who goes through frames needs no explanation.
+bool has_rested(bool hovered) {
+  float& rested_s = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("rested"));
+  const ImVec2 moved = ImGui::GetIO().MouseDelta;
+  const bool still = hovered && moved.x == 0.0F && moved.y == 0.0F;
+  rested_s = still ? rested_s + ImGui::GetIO().DeltaTime : 0.0F;
+  return rested_s > kRest_s;
+}
+
 }  // namespace
 
 void draw_timeline(Session& session) {
@@ -136,7 +147,7 @@ void draw_timeline(Session& session) {
   const float x = track.x(session.view.frame);
   list.AddLine({x, low.y}, {x, low.y + size.y}, IM_COL32(255, 235, 60, 255), 2.0F);
   list.PopClipRect();
-  if (ImGui::IsItemHovered() && !ImGui::IsItemActive()) {
+  if (has_rested(ImGui::IsItemHovered() && !ImGui::IsItemActive())) {
     // Above the frames, which it would hide.
     ImGui::SetNextWindowPos({ImGui::GetIO().MousePos.x, low.y - 0.3F * em}, ImGuiCond_Always, {0.5F, 1.0F});
     ImGui::SetTooltip(

@@ -61,7 +61,7 @@ def bladder_outlined_by_wire(viewer, shared):
     way = [{"move": at(*seeds[3])}, {"frames": 2}]
     beside = {"move": at(*middle(bladder.outlines[8]))}
     run = viewer.run(*bladder.recording(), events=[
-        IDLE, *bladder.show(8), picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *map(click, seeds[:3]),
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *map(click, seeds[:3]),
         {"dump": "three.json"}, *way, {"dump": "ahead.json"}, picture("ahead", "pane:Review"), beside, {"frames": 2},
         {"dump": "aside.json"}, click(seeds[3]), {"key": "Ctrl+Z"}, *way, {"dump": "undone.json"},
         {"wait_s": 0.4}, *map(click, seeds[3:]), {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Review"), {"key": "Ctrl+Z"}, IDLE,
@@ -85,7 +85,7 @@ def wire_taken_back_to_where_it_is_clicked(viewer, shared):
     clicks = [{"click": at(*seed)} for seed in seeds[:4]]
     back = bladder.seeds(8, 12)[3]  # half way between the second and the third click, on the line
     run = viewer.run(*bladder.recording(), events=[
-        IDLE, *bladder.show(8), picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *clicks,
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *clicks,
         {"dump": "far.json"}, {"click": at(*back)}, {"dump": "back.json"}, {"key": "Backspace"}, {"move": at(*seeds[3])},
         {"frames": 2}, {"dump": "again.json"}, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, {"dump": "none.json"},
         picture("none", "pane:Review"), {"move": at(*seeds[2])}, {"frames": 2}, {"dump": "later.json"},
@@ -104,7 +104,7 @@ def region_grows_from_seeds(viewer, shared):
     truth = shared.outlines[5]
     inside = middle(truth)
     run = viewer.run(*recording(shared), events=[
-        IDLE, *go_to(5), picture("empty", "pane:Review"), {"click": "Region"}, {"click": at(*inside)}, IDLE, {"move": [3, 3]},
+        IDLE, *go_to(5), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"click": "Region"}, {"click": at(*inside)}, IDLE, {"move": [3, 3]},
         {"frames": 2}, {"dump": "shown.json"}, picture("shown", "pane:Review"), {"key": "Ctrl+Z"}, IDLE, {"dump": "back.json"},
         {"click": at(*inside)}, IDLE, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, {"dump": "dropped.json"},
         picture("dropped", "pane:Review"), {"click": at(*inside)}, {"key": "Enter"}, IDLE, {"move": [3, 3]}, {"frames": 2}, DUMP,
@@ -161,7 +161,7 @@ def outline_is_refined(viewer, shared):
     centre = middle(truth)
     drawn = [[centre[i] + (p[i] - centre[i]) * 0.94 for i in range(2)] for p in truth[::8]]
     run = viewer.run(*bladder.with_outlines({8: drawn, 5: bladder.outlines[5][::8]}), events=[
-        IDLE, *bladder.show(8), picture("before", "pane:Review"), {"key": "J"}, IDLE, {"frames": 2}, {"dump": "shown.json"},
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "J"}, IDLE, {"frames": 2}, {"dump": "shown.json"},
         picture("shown", "pane:Review"), {"key": "Escape"}, {"frames": 2}, {"dump": "dropped.json"}, {"key": "J"}, IDLE,
         {"drag": [{"item": "reach", "at": [0.2, 0.5]}, {"item": "reach", "at": [0.5, 0.5]}]}, IDLE, {"dump": "farther.json"},
         {"key": "Enter"}, IDLE, DUMP, {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
@@ -181,7 +181,7 @@ def filled_between_outlines(viewer, shared):
     bladder = Bladder(viewer, shared)
     drawn = {f: bladder.outlines[f][::8] for f in (2, 7, 13)}
     run = viewer.run(*bladder.with_outlines(drawn), events=[
-        IDLE, *bladder.show(5), picture("before", "pane:Review"), {"key": "T"}, {"click": "cancel:fill"}, IDLE,
+        IDLE, *bladder.show(5), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "T"}, {"click": "cancel:fill"}, IDLE,
         {"dump": "cancelled.json"}, {"key": "T"}, IDLE, {"frames": 2}, DUMP, picture(of="pane:Review"), {"key": "Ctrl+Z"},
         IDLE, {"dump": "undone.json"}, picture("undone", "pane:Review")])
     filled = {c["frame"]: c for c in structure(run.state())["contours"]}
