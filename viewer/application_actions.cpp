@@ -114,7 +114,8 @@ std::vector<Action> make_actions(Application& app) {
       "File", "Export...", ctrl(GLFW_KEY_E), "results, a report, surfaces and pictures",
       [ask_export] { ask_export(false); }, open);
   add(
-      "File", "Export without names...", {}, "the same without patient, operator, date, notes and B-scans",
+      "File", "Export without names...", {},
+      "the same without patient, operator, date and notes; of B-scans only what lies in an area drawn by Area",
       [ask_export] { ask_export(true); }, open);
   add(
       "File", "Close exam", ctrl(GLFW_KEY_W), "", [&session] { session.close(); }, open);
