@@ -8,6 +8,15 @@
 
 namespace fathom {
 
+namespace {
+
+// Parts of the mouse's reach. A hand points about as well as kSnap says: clicks are moved no farther, so that who
+// clicks with care is not led astray by an edge nearby.
+constexpr double kSnap = 0.4;
+constexpr double kOnLine = 0.5;
+
+}  // namespace
+
 void WireTool::prepare(Session& session, const cv::Mat& image) {
   const ViewState& view = session.view;
   const auto scan = session.document()->scan();
@@ -47,8 +56,8 @@ void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& i
     // On what is drawn, but not where it is about to be closed or goes on: the line is taken back to there.
     const auto near = [&](const Eigen::Vector2d& seed) { return (seed - input.at_px).norm() <= 3.0 * input.reach_px; };
     const bool at_ends = seeds.empty() || near(seeds.front()) || near(seeds.back());
-    if (at_ends || !wire_->reseed(input.at_px, 0.5 * input.reach_px)) {
-      session.attempt("wire", [&] { wire_->add_seed(wire_->snapped(input.at_px, input.reach_px)); });
+    if (at_ends || !wire_->reseed(input.at_px, kOnLine * input.reach_px)) {
+      session.attempt("wire", [&] { wire_->add_seed(wire_->snapped(input.at_px, kSnap * input.reach_px)); });
     }
     show(session);
   } else if (moved && input.hovered && !wire_->seeds().empty()) {
