@@ -205,6 +205,7 @@ void Document::remove_contour(std::size_t structure, std::size_t contour) {
 void Document::replace_points(const char* name, std::size_t structure, std::size_t contour, Polygon points_px) {
   Contour by = contour_at(structure, contour);
   by.points_px = std::move(points_px);
+  by.confidence.reset();  // it was of the outline as it was made
   require_contour(by, contour_at(structure, contour).points_px.size());
   change(name, ItemChange<Contour>{structure, contour, contour_at(structure, contour), std::move(by)});
 }

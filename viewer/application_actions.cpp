@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "measurement/propagate.h"
 #include "viewer/application.h"
 #include "viewer/export_jobs.h"
 #include "viewer/review_tools.h"
@@ -15,8 +16,9 @@ constexpr float kBrushStep = 1.2F;
 constexpr float kScaleStep = 0.1F;
 constexpr int kFarStep = 10;
 
-// The nearest frame before or behind the shown one on which the active structure is marked.
-std::optional<int> next_outlined(const Session& session, bool forward) {
+// The nearest frame before or behind the shown one on which the active structure is marked; or, of those, on which an
+// outline that was filled in is unsure.
+std::optional<int> next_outlined(const Session& session, bool forward, bool unsure = false) {
   const auto active = session.active_structure();
   if (!active) return std::nullopt;
   std::optional<int> best;
@@ -26,7 +28,10 @@ std::optional<int> next_outlined(const Session& session, bool forward) {
     if (on_side && (!best || (forward ? frame < *best : frame > *best))) best = frame;
   };
   const Structure& structure = session.document()->structures()[*active];
-  for (const Contour& contour : structure.contours) offer(contour.recording, contour.frame);
+  for (const Contour& contour : structure.contours) {
+    if (!unsure || contour.confidence.value_or(1.0) < kSureContour) offer(contour.recording, contour.frame);
+  }
+  if (unsure) return best;
   for (const Extremity& extremity : structure.extremities) offer(extremity.recording, extremity.frame);
   return best;
 }
@@ -45,8 +50,8 @@ void toggle_absent(Session& session) {
   });
 }
 
-void step_back(Session& session, WireTool& wire) {
-  if (session.view.tool == Tool::kWire ? wire.undo(session) : ReviewTools::remove_last_point(session)) return;
+void step_back(Session& session, ReviewPane& review) {
+  if (review.step_back(session)) return;
   session.attempt("undo", [&] { session.document()->undo(); });
   session.view.chosen.reset();
 }
@@ -59,6 +64,9 @@ struct ToolKey {
 constexpr std::array<ToolKey, kToolCount> kToolKeys{{{Tool::kBrowse, "Browse", GLFW_KEY_B},
                                                      {Tool::kDraw, "Draw outline", GLFW_KEY_D},
                                                      {Tool::kWire, "Wire along edges", GLFW_KEY_E},
+                                                     {Tool::kRegion, "Fill region", GLFW_KEY_K},
+                                                     {Tool::kThreshold, "Outline by threshold", GLFW_KEY_I},
+                                                     {Tool::kRefine, "Refine outline", GLFW_KEY_J},
                                                      {Tool::kPoints, "Edit points", GLFW_KEY_P},
                                                      {Tool::kBrush, "Push outline", GLFW_KEY_U},
                                                      {Tool::kExtremity, "Mark extremity", GLFW_KEY_X},
@@ -106,7 +114,8 @@ std::vector<Action> make_actions(Application& app) {
       "File", "Export...", ctrl(GLFW_KEY_E), "results, a report, surfaces and pictures",
       [ask_export] { ask_export(false); }, open);
   add(
-      "File", "Export without names...", {}, "the same without patient, operator, date, notes and B-scans",
+      "File", "Export without names...", {},
+      "the same without patient, operator, date and notes; of B-scans only what lies in an area drawn by Area",
       [ask_export] { ask_export(true); }, open);
   add("File", "Picture...", ctrl(GLFW_KEY_P), "of the window or a pane, on request without names",
       [&app] { app.pictures_.ask(); });
@@ -116,7 +125,7 @@ std::vector<Action> make_actions(Application& app) {
 
   add(
       "Edit", "Undo", ctrl(GLFW_KEY_Z), "or take back the last point of the line being drawn",
-      [&session, &app] { step_back(session, app.review_.wire()); }, open, {}, true);
+      [&session, &app] { step_back(session, app.review_); }, open, {}, true);
   add(
       "Edit", "Redo", ctrl(GLFW_KEY_Y), "",
       [&session] {
@@ -138,39 +147,18 @@ std::vector<Action> make_actions(Application& app) {
       "looked for the structure, it is not on this frame; again takes the mark away",
       [&session] { toggle_absent(session); }, open);
   add(
-      "Edit", "Close the line", plain(GLFW_KEY_ENTER), "that is being drawn",
-      [&session, &app] {
-        if (session.view.tool == Tool::kWire) return app.review_.wire().finish(session);
-        ReviewTools::finish_line(session);
-      },
-      open);
+      "Edit", "Close the line", plain(GLFW_KEY_ENTER), "that is being drawn, or take what a tool proposes",
+      [&session, &app] { app.review_.finish(session); }, open);
   add(
-      "Edit", "Take back point", plain(GLFW_KEY_BACKSPACE), "the last one of the line being drawn",
-      [&session, &app] {
-        if (session.view.tool == Tool::kWire) {
-          app.review_.wire().undo(session);
-        } else {
-          ReviewTools::remove_last_point(session);
-        }
-      },
-      open, {}, true);
+      "Edit", "Take back point", plain(GLFW_KEY_BACKSPACE), "the last one of the line being drawn, or the last seed",
+      [&session, &app] { app.review_.step_back(session); }, open, {}, true);
   add(
-      "Edit", "Give up", plain(GLFW_KEY_ESCAPE), "the line or ruler being drawn",
-      [&session, &app] {
-        app.review_.wire().give_up(session);
-        session.view.line_px.clear();
-        session.view.ruler_px.clear();
-      },
-      open);
+      "Edit", "Give up", plain(GLFW_KEY_ESCAPE), "the line or ruler being drawn, or what a tool proposes",
+      [&session, &app] { app.review_.give_up(session); }, open);
 
   for (const ToolKey& tool : kToolKeys) {
     add(
-        "Tools", tool.label, plain(tool.key), "",
-        [&session, tool] {
-          session.view.tool = tool.tool;
-          session.view.line_px.clear();
-          session.view.ruler_px.clear();
-        },
+        "Tools", tool.label, plain(tool.key), "", [&session, &app, tool] { app.review_.choose(session, tool.tool); },
         open, [&session, tool] { return session.view.tool == tool.tool; });
   }
   add(
@@ -195,18 +183,23 @@ std::vector<Action> make_actions(Application& app) {
         "Go", step.label, step.key, "", [&session, step] { session.show_frame(session.view.frame + step.step); }, open,
         {}, true);
   }
-  add(
-      "Go", "Next outlined frame", ctrl(GLFW_KEY_RIGHT), "",
-      [&session] {
-        if (const auto frame = next_outlined(session, true)) session.show_frame(*frame);
-      },
-      open, {}, true);
-  add(
-      "Go", "Previous outlined frame", ctrl(GLFW_KEY_LEFT), "",
-      [&session] {
-        if (const auto frame = next_outlined(session, false)) session.show_frame(*frame);
-      },
-      open, {}, true);
+  struct OutlinedKey {
+    const char* label;
+    KeyChord key;
+    bool forward;
+    bool unsure;
+  };
+  for (const OutlinedKey& to : {OutlinedKey{"Next outlined frame", ctrl(GLFW_KEY_RIGHT), true, false},
+                                {"Previous outlined frame", ctrl(GLFW_KEY_LEFT), false, false},
+                                {"Next unsure frame", plain(GLFW_KEY_RIGHT, true), true, true},
+                                {"Previous unsure frame", plain(GLFW_KEY_LEFT, true), false, true}}) {
+    add(
+        "Go", to.label, to.key, to.unsure ? "whose outline was filled in and may be wrong" : "",
+        [&session, to] {
+          if (const auto frame = next_outlined(session, to.forward, to.unsure)) session.show_frame(*frame);
+        },
+        open, {}, true);
+  }
 
   add(
       "View", "Whole image", plain(GLFW_KEY_F), "", [&session] { session.view.zoom = 0.0F; }, open);

@@ -8,6 +8,7 @@
 #include "viewer/application.h"
 #include "viewer/first_steps.h"
 #include "viewer/timeline_pane.h"
+#include "viewer/tool_options.h"
 #include "viewer/widgets.h"
 
 namespace fathom {
@@ -24,6 +25,9 @@ constexpr std::array<ToolText, kToolCount> kTools{
     {{Tool::kBrowse, "Browse", "Look: drag moves the image (B)"},
      {Tool::kDraw, "Draw", "Outline: drag free-hand, or click point by point; Enter closes (D)"},
      {Tool::kWire, "Wire", "Click along the border; between clicks the line follows the edges (E)"},
+     {Tool::kRegion, "Region", "Click inside: the region around grows to its border; Enter takes it (K)"},
+     {Tool::kThreshold, "Threshold", "Outlines of grey values in a range; click parts to take only those (I)"},
+     {Tool::kRefine, "Refine", "Moves the outlines of this frame to the border beside them; Enter takes them (J)"},
      {Tool::kPoints, "Points", "Drag points; click on the line to insert one; Delete removes (P)"},
      {Tool::kBrush, "Push", "Push the outline with a round brush; [ and ] change its size (U)"},
      {Tool::kExtremity, "Extremity", "Mark where the frame only touches the structure (X)"},
@@ -50,11 +54,7 @@ void Application::draw_toolbar() {
   const float em = ui::em();
   for (const ToolText& tool : kTools) {
     const bool on = session_.view.tool == tool.tool;
-    if (ui::button(tool.label, tool.tip, on, session_.document() != nullptr)) {
-      session_.view.tool = tool.tool;
-      session_.view.line_px.clear();
-      session_.view.ruler_px.clear();
-    }
+    if (ui::button(tool.label, tool.tip, on, session_.document() != nullptr)) review_.choose(session_, tool.tool);
     ImGui::SameLine();
   }
   ImGui::SameLine(0.0F, em);
@@ -65,13 +65,12 @@ void Application::draw_toolbar() {
     for (const Structure& structure : document->structures()) names.push_back(structure.name);
   }
   int active = static_cast<int>(session_.active_structure().value_or(0));
-  ImGui::SameLine(0.0F, em);
+  // In a narrow window on a line of its own, whatever tool is in hand: the panes must not jump.
+  const float end = ImGui::GetItemRectMax().x + (11.0F + kToolOptionsWidth) * em;
+  if (end < ImGui::GetIO().DisplaySize.x) ImGui::SameLine(0.0F, em);
   if (ui::combo("##structure", active, names, 10.0F * em)) session_.view.structure = static_cast<std::size_t>(active);
   ui::tip("The structure that tools work on");
-  if (session_.view.tool == Tool::kBrush) {
-    ImGui::SameLine();
-    ui::slider("##brush", session_.view.brush_px, 3.0F, 200.0F, "%.0f px", 8.0F * em);
-  }
+  draw_tool_options(session_, review_);
 }
 
 void Application::draw_panes() {

@@ -1,8 +1,12 @@
 #include "viewer/export_jobs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include "exam/export_exam.h"
 #include "measurement/propagate.h"
@@ -28,6 +32,24 @@ void take_filled(Session& session, std::uint64_t id, const Structure& filled, in
     document.add_contour(*structure, std::move(contour));
   }
   document.end_action();
+}
+
+// The box around an area that is drawn on the frame: what the user says is free of names. Empty where none is.
+std::optional<SafeArea> drawn_area(const Session& session) {
+  const std::vector<Eigen::Vector2d>& ruler = session.view.ruler_px;
+  const RecordingHeader* header = session.header();
+  if (session.view.tool != Tool::kArea || ruler.size() < 3 || header == nullptr) return std::nullopt;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& point : ruler) box.extend(point);
+  // Pixels that lie in it as a whole: one that is cut may show what is beside.
+  const cv::Point low(static_cast<int>(std::ceil(box.min().x() + 0.5)),
+                      static_cast<int>(std::ceil(box.min().y() + 0.5)));
+  const cv::Point high(static_cast<int>(std::floor(box.max().x() + 0.5)),
+                       static_cast<int>(std::floor(box.max().y() + 0.5)));
+  if (high.x <= low.x || high.y <= low.y) return std::nullopt;
+  const cv::Rect clip = cv::Rect(low, high) & cv::Rect(0, 0, header->width, header->height);
+  if (clip.empty()) return std::nullopt;
+  return SafeArea{clip, std::nullopt};
 }
 
 }  // namespace
@@ -70,6 +92,7 @@ void export_document(Session& session, const std::filesystem::path& folder, bool
     ExportOptions options;
     options.report.program = "fathom";
     options.report.anonymous = anonymous;
+    if (anonymous) options.report.area = drawn_area(session);
     const auto work = [&session, snapshot, folder, options](const Progress& progress) -> std::function<void()> {
       const std::vector<std::string> names = export_exam(*snapshot, folder, options, progress);
       return [&session, folder, count = names.size()] {

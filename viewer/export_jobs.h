@@ -11,8 +11,8 @@ namespace fathom {
 /// Fills the frames between drawn ones of the active structure, as one action that can be undone.
 void fill_between(Session& session);
 
-/// Results, report, surfaces and pictures into a folder. Anonymous: without names, and without B-scans, as nobody has
-/// said what is burned into them.
+/// Results, report, surfaces and pictures into a folder. Anonymous: without names, and of B-scans only what lies in the
+/// area drawn by Area, else nothing, as nobody has said what is burned into them.
 void export_document(Session& session, const std::filesystem::path& folder, bool anonymous);
 
 }  // namespace fathom

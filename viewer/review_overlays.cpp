@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include <imgui.h>
 
 #include "core/error.h"
+#include "measurement/propagate.h"
 #include "viewer/look.h"
 #include "viewer/review_pane.h"
 #include "viewer/review_tools.h"
@@ -16,7 +18,9 @@ namespace fathom {
 
 namespace {
 
-constexpr float kHatchStep = 9.0F;  // window's pixels between hatching lines
+constexpr ImU32 kNotYet = IM_COL32(255, 255, 255, 230);  // what is being drawn
+constexpr float kDash = 6.0F;                            // of lines that are unsure, and the gap
+constexpr float kHatchStep = 9.0F;                       // window's pixels between hatching lines
 
 std::vector<ImVec2> in_window(const std::vector<Eigen::Vector2d>& points_px, const ImagePlace& place) {
   std::vector<ImVec2> points;
@@ -35,6 +39,54 @@ void draw_points(const std::vector<ImVec2>& points, ImU32 color, std::optional<s
   }
 }
 
+bool is_unsure(const Contour& contour) { return contour.confidence && *contour.confidence < kSureContour; }
+
+void draw_dashed(const std::vector<ImVec2>& points, bool closed, ImU32 color, float width, ImDrawList& list) {
+  float way = 0.0F;  // since the last dash or gap began
+  bool on = true;
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < points.size(); ++i) {
+    ImVec2 from = points[i];
+    const ImVec2 to = points[(i + 1) % points.size()];
+    for (float left = std::hypot(to.x - from.x, to.y - from.y); left > 0.0F;) {
+      const float step = std::min(left, kDash - way);
+      const ImVec2 next(from.x + (to.x - from.x) * step / left, from.y + (to.y - from.y) * step / left);
+      if (on) list.AddLine(from, next, color, width);
+      from = next;
+      left -= step;
+      way += step;
+      if (way < kDash) continue;
+      way = 0.0F;
+      on = !on;
+    }
+  }
+}
+
+// Dashed, with its confidence, where it was filled in and may be wrong.
+void draw_contour(const Contour& contour, const std::vector<ImVec2>& points, ImU32 color, float width,
+                  ImDrawList& list) {
+  if (!is_unsure(contour)) {
+    list.AddPolyline(points.data(), static_cast<int>(points.size()), color, contour.closed ? ImDrawFlags_Closed : 0,
+                     width);
+    return;
+  }
+  draw_dashed(points, contour.closed, color, width, list);
+  char text[32];
+  std::snprintf(text, sizeof text, "unsure: %.0f %%", 100.0 * *contour.confidence);
+  list.AddText({points.front().x + 6.0F, points.front().y - 0.5F * ImGui::GetFontSize()}, color, text);
+}
+
+// White, as every line that is not yet in the exam.
+void draw_preview(const ViewState& view, const ImagePlace& place, ImDrawList& list) {
+  for (const std::vector<Eigen::Vector2d>& outline : view.preview_px) {
+    const std::vector<ImVec2> points = in_window(outline, place);
+    list.AddPolyline(points.data(), static_cast<int>(points.size()), kNotYet, ImDrawFlags_Closed, 2.0F);
+  }
+  for (const Eigen::Vector2d& seed : view.seeds_px) {
+    list.AddCircleFilled(place.at(seed), 4.0F, kNotYet);
+    list.AddCircle(place.at(seed), 5.0F, IM_COL32(0, 0, 0, 255));
+  }
+}
+
 void draw_contours(const Session& session, std::size_t index, const ImagePlace& place, ImDrawList& list) {
   const Structure& structure = session.document()->structures()[index];
   const bool active = session.active_structure() == index;
@@ -44,8 +96,7 @@ void draw_contours(const Session& session, std::size_t index, const ImagePlace& 
     const Contour& contour = structure.contours[i];
     if (contour.frame != view.frame || contour.recording != view.recording) continue;
     const std::vector<ImVec2> points = in_window(contour.points_px, place);
-    list.AddPolyline(points.data(), static_cast<int>(points.size()), color, contour.closed ? ImDrawFlags_Closed : 0,
-                     active ? 2.0F : 1.5F);
+    draw_contour(contour, points, color, active ? 2.0F : 1.5F, list);
     if (!active || view.tool != Tool::kPoints) continue;
     const bool has_chosen = view.chosen && view.chosen->contour == i;
     draw_points(points, color, has_chosen ? std::optional(view.chosen->point) : std::nullopt, list);
@@ -110,12 +161,12 @@ void draw_outlines(const Session& session, const ImagePlace& place, ImDrawList& 
 
 void draw_line_and_ruler(const Session& session, const ImagePlace& place, ImDrawList& list) {
   const ViewState& view = session.view;
+  draw_preview(view, place, list);
   if (!view.line_px.empty()) {
     const std::vector<ImVec2> points = in_window(view.line_px, place);
-    const ImU32 color = IM_COL32(255, 255, 255, 230);
-    list.AddPolyline(points.data(), static_cast<int>(points.size()), color, 0, 1.5F);
-    list.AddCircleFilled(points.front(), 4.0F, color);
-    if (view.line_px.size() < 60) draw_points(points, color, std::nullopt, list);
+    list.AddPolyline(points.data(), static_cast<int>(points.size()), kNotYet, 0, 1.5F);
+    list.AddCircleFilled(points.front(), 4.0F, kNotYet);
+    if (view.line_px.size() < 60) draw_points(points, kNotYet, std::nullopt, list);
   }
   if (!view.ruler_px.empty()) {
     const std::vector<ImVec2> points = in_window(view.ruler_px, place);

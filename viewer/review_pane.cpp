@@ -24,7 +24,9 @@ void choose_grey_values(const cv::Mat& image, ViewState& view) {
   double low = 0.0;
   double high = 255.0;
   cv::minMaxLoc(image.reshape(1), &low, &high);
-  view.level = static_cast<float>(0.5 * (low + high));
+  view.grey_low = static_cast<float>(low);
+  view.grey_high = view.assist.high = static_cast<float>(high);
+  view.assist.low = view.level = static_cast<float>(0.5 * (low + high));
   view.window = static_cast<float>(std::max(high - low, 1e-3));
 }
 
@@ -158,6 +160,7 @@ void ReviewPane::draw(Session& session, const std::vector<Eigen::Vector2d>& path
   if (settled(session)) {
     tools_.handle(session, input);
     if (session.view.tool == Tool::kWire && !image_.empty()) wire_.handle(session, input, image_);
+    if (is_assist(session.view.tool) && !image_.empty()) assist_.handle(session, input, image_);
   }
 
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -173,6 +176,34 @@ void ReviewPane::draw(Session& session, const std::vector<Eigen::Vector2d>& path
   draw_corner_text(session, list, low, size);
   list.PopClipRect();
   ui::note("pane:Review", low, high);
+}
+
+StepTool* ReviewPane::stepping(Tool tool) {
+  if (is_assist(tool)) return &assist_;
+  return tool == Tool::kWire ? &wire_ : nullptr;
+}
+
+void ReviewPane::choose(Session& session, Tool tool) {
+  give_up(session);
+  session.view.tool = tool;
+  if (is_assist(tool)) assist_.begin(session);
+}
+
+bool ReviewPane::step_back(Session& session) {
+  StepTool* tool = stepping(session.view.tool);
+  return tool != nullptr ? tool->undo(session) : ReviewTools::remove_last_point(session);
+}
+
+void ReviewPane::finish(Session& session) {
+  StepTool* tool = stepping(session.view.tool);
+  tool != nullptr ? tool->finish(session) : ReviewTools::finish_line(session);
+}
+
+void ReviewPane::give_up(Session& session) {
+  wire_.give_up(session);
+  assist_.give_up(session);
+  session.view.line_px.clear();
+  session.view.ruler_px.clear();
 }
 
 void ReviewPane::draw_overlays(Session& session, ImDrawList& list) {

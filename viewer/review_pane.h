@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <imgui.h>
 
+#include "viewer/assist_tool.h"
 #include "viewer/gl_objects.h"
 #include "viewer/review_tools.h"
 #include "viewer/session.h"
@@ -36,9 +37,17 @@ class ReviewPane {
   std::optional<Eigen::Vector2d> find(const Eigen::Vector2d& px) const;
   /// Whether the image is that of the frame asked for.
   bool settled(const Session& session) const;
-  WireTool& wire() { return wire_; }
+
+  /// Drops what other tools were about to draw.
+  void choose(Session& session, Tool tool);
+  /// Takes back the last point, click or seed of the tool in hand. False where there is none.
+  bool step_back(Session& session);
+  /// Puts what the tool in hand was about to draw into the exam.
+  void finish(Session& session);
+  void give_up(Session& session);
 
  private:
+  StepTool* stepping(Tool tool);
   void ask_for_frame(Session& session);
   void take_frame(Session& session);
   void show_grey_values(const ViewState& view);
@@ -62,6 +71,7 @@ class ReviewPane {
   ImagePlace place_;
   ReviewTools tools_;
   WireTool wire_;
+  AssistTool assist_;
   std::vector<std::vector<Eigen::Vector2d>> hatched_px_;
   std::array<std::uint64_t, 4> hatched_of_{};
 };

@@ -81,7 +81,10 @@ void ReviewTools::handle(Session& session, const ToolInput& input) {
   if (input.pressed) last_px_ = input.at_px;
   switch (session.view.tool) {
     case Tool::kBrowse:
-    case Tool::kWire:  // has a tool of its own
+    case Tool::kWire:  // these have tools of their own
+    case Tool::kRegion:
+    case Tool::kThreshold:
+    case Tool::kRefine:
       break;
     case Tool::kDraw:
       draw(session, input);

@@ -32,18 +32,18 @@ void Session::save() {
 }
 
 void Session::save_as(const std::filesystem::path& folder) {
-  attempt("save as", [&] {
-    start_saving(document_->begin_save_as(folder), "Saving to " + folder.filename().string());
-    if (on_opened) on_opened(folder);
-  });
+  attempt("save as",
+          [&] { start_saving(document_->begin_save_as(folder), "Saving to " + folder.filename().string(), folder); });
 }
 
-void Session::start_saving(std::shared_ptr<PendingSave> pending, const std::string& title) {
+void Session::start_saving(std::shared_ptr<PendingSave> pending, const std::string& title,
+                           const std::filesystem::path& opened) {
   const Document* of = document_.get();
-  const auto work = [this, pending, of](const Progress& progress) -> std::function<void()> {
+  const auto work = [this, pending, of, opened](const Progress& progress) -> std::function<void()> {
     pending->write(progress);
-    return [this, pending, of] {
+    return [this, pending, of, opened] {
       if (document_.get() == of) attempt("save", [&] { document_->finish_save(*pending); });
+      if (!opened.empty() && on_opened) on_opened(opened);
     };
   };
   worker_.start({"save", title, work, [this](const std::string& error) { say("save", error); }});
@@ -71,6 +71,7 @@ void Session::take_document(std::unique_ptr<Document> document, const std::files
   const ViewState before = view;
   view = ViewState();
   view.brush_px = before.brush_px;
+  view.assist = before.assist;
   view.show_surfaces = before.show_surfaces;
   if (const RecordingHeader* shown = header(); shown != nullptr && shown->frame_count() > 0) {
     // The outlined part is what one wants to see; else the middle.
@@ -137,11 +138,7 @@ void Session::show_frame(int frame) {
   const int count = frame_count();
   if (count == 0) return;
   const int wanted = std::clamp(frame, 0, count - 1);
-  if (wanted != view.frame) {
-    view.line_px.clear();
-    view.ruler_px.clear();
-    view.chosen.reset();
-  }
+  if (wanted != view.frame) view.drop_unfinished();
   view.frame = wanted;
 }
 
@@ -149,9 +146,7 @@ void Session::show_recording(int recording) {
   if (!document_ || recording < 0 || static_cast<std::size_t>(recording) >= document_->scan()->recordings.size())
     return;
   view.recording = recording;
-  view.line_px.clear();
-  view.ruler_px.clear();
-  view.chosen.reset();
+  view.drop_unfinished();
   view.frame = std::clamp(view.frame, 0, std::max(0, frame_count() - 1));
 }
 

@@ -87,7 +87,9 @@ class Session {
   std::function<void(const std::filesystem::path&)> on_opened;
 
  private:
-  void start_saving(std::shared_ptr<PendingSave> pending, const std::string& title);
+  // `opened`: the folder of a new exam, told to on_opened once it is there.
+  void start_saving(std::shared_ptr<PendingSave> pending, const std::string& title,
+                    const std::filesystem::path& opened = {});
   void take_document(std::unique_ptr<Document> document, const std::filesystem::path& path);
 
   std::unique_ptr<Document> document_;

@@ -27,6 +27,7 @@ Json structure_json(const Session& session, std::size_t index) {
     json["contours"].push_back({{"recording", contour.recording},
                                 {"frame", contour.frame},
                                 {"closed", contour.closed},
+                                {"confidence", number_or_null(contour.confidence)},
                                 {"points", points_json(contour.points_px)}});
   }
   json["absent"] = Json::array();
@@ -84,7 +85,10 @@ Json view_json(const Session& session) {
             {"zoom", view.zoom},
             {"line", points_json(view.line_px)},
             {"ruler", points_json(view.ruler_px)},
+            {"seeds", points_json(view.seeds_px)},
             {"ruler_text", ruler_text(session)}};
+  json["preview"] = Json::array();
+  for (const Polygon& outline : view.preview_px) json["preview"].push_back(points_json(outline));
   return json;
 }
 

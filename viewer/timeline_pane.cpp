@@ -7,12 +7,15 @@
 #include <imgui.h>
 
 #include "core/error.h"
+#include "measurement/propagate.h"
 #include "viewer/look.h"
 #include "viewer/widgets.h"
 
 namespace fathom {
 
 namespace {
+
+constexpr float kRest_s = 1.2F;  // before the pane is explained
 
 // Where frames lie along the bar.
 struct Track {
@@ -64,10 +67,14 @@ void draw_structures(const Session& session, const Track& track, float y, float 
   const int recording = session.view.recording;
   for (const Structure& structure : structures) {
     const ImU32 color = packed_color(structure.color.c_str());
+    const ImU32 filled = packed_color(structure.color.c_str(), 0.5F);
     const float half = std::max(track.half(), 1.5F);
     for (const Contour& contour : structure.contours) {
       if (contour.recording != recording) continue;
-      list.AddRectFilled({track.x(contour.frame) - half, y}, {track.x(contour.frame) + half, y + row - 1.0F}, color);
+      const float x = track.x(contour.frame);
+      list.AddRectFilled({x - half, y}, {x + half, y + row - 1.0F}, contour.confidence ? filled : color);
+      if (!contour.confidence || *contour.confidence >= kSureContour) continue;
+      list.AddRectFilled({x - half, y}, {x + half, y + 0.3F * row}, IM_COL32(240, 120, 40, 255));
     }
     for (const Extremity& extremity : structure.extremities) {
       if (extremity.recording != recording) continue;
@@ -80,6 +87,15 @@ void draw_structures(const Session& session, const Track& track, float y, float 
     }
     y += row;
   }
+}
+
+// Whether the pointer has been still on the item for a while: who goes through frames needs no explanation.
+bool has_rested(bool hovered) {
+  float& rested_s = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("rested"));
+  const ImVec2 moved = ImGui::GetIO().MouseDelta;
+  const bool still = hovered && moved.x == 0.0F && moved.y == 0.0F;
+  rested_s = still ? rested_s + ImGui::GetIO().DeltaTime : 0.0F;
+  return rested_s > kRest_s;
 }
 
 }  // namespace
@@ -131,9 +147,12 @@ void draw_timeline(Session& session) {
   const float x = track.x(session.view.frame);
   list.AddLine({x, low.y}, {x, low.y + size.y}, IM_COL32(255, 235, 60, 255), 2.0F);
   list.PopClipRect();
-  if (ImGui::IsItemHovered() && !ImGui::IsItemActive()) {
+  if (has_rested(ImGui::IsItemHovered() && !ImGui::IsItemActive())) {
+    // Above the frames, which it would hide.
+    ImGui::SetNextWindowPos({ImGui::GetIO().MousePos.x, low.y - 0.3F * em}, ImGuiCond_Always, {0.5F, 1.0F});
     ImGui::SetTooltip(
-        "Red: image invalid. Orange: no pose. Below: outlined frames; circles: extremities; strokes: absent.");
+        "Red: image invalid. Orange: no pose. Below: outlined frames, pale where filled in between, orange on top "
+        "where that is unsure; circles: extremities; strokes: absent.");
   }
 }
 

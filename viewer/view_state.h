@@ -11,12 +11,35 @@
 namespace fathom {
 
 /// What the mouse does in the Review pane.
-enum class Tool { kBrowse, kDraw, kWire, kPoints, kBrush, kExtremity, kDistance, kAngle, kArea };
+enum class Tool {
+  kBrowse,
+  kDraw,
+  kWire,
+  kRegion,
+  kThreshold,
+  kRefine,
+  kPoints,
+  kBrush,
+  kExtremity,
+  kDistance,
+  kAngle,
+  kArea
+};
 
 /// One point of one contour.
 struct PointChoice {
   std::size_t contour = 0;
   std::size_t point = 0;
+};
+
+/// Settings of Region, Threshold and Refine.
+struct AssistOptions {
+  float tolerance = 2.5F;    ///< Region: standard deviations of its grey values that still belong to it
+  float low = 127.5F;        ///< Threshold: grey values from here on
+  float high = 255.0F;       ///< and up to here
+  float even_out_px = 2.0F;  ///< both: standard deviation of the Gaussian that evens out speckle first
+  float reach_px = 8.0F;     ///< Refine: no point moves farther
+  bool operator==(const AssistOptions&) const = default;
 };
 
 /// What is looked at, and how: no part of the exam, neither undone nor saved in it.
@@ -27,6 +50,12 @@ struct ViewState {
   Tool tool = Tool::kBrowse;
   float brush_px = 30.0F;  ///< radius, in pixels of the image
 
+  AssistOptions assist;
+  std::vector<Eigen::Vector2d> seeds_px;                 ///< of Region and Threshold, on the shown frame
+  std::vector<std::vector<Eigen::Vector2d>> preview_px;  ///< closed outlines that a tool would draw there
+
+  float grey_low = 0.0F;  ///< what grey values may be: those of 8 bits, else those of the first frame shown
+  float grey_high = 255.0F;
   float level = 127.5F;  ///< grey value shown as middle grey
   float window = 255.0F;
   float zoom = 0.0F;                                    ///< window's pixels a pixel; 0: the whole image
@@ -35,6 +64,15 @@ struct ViewState {
   std::vector<Eigen::Vector2d> line_px;   ///< being drawn, on the shown frame
   std::vector<Eigen::Vector2d> ruler_px;  ///< points of a distance, angle or area, on the shown frame
   std::optional<PointChoice> chosen;      ///< of the active structure
+
+  /// What was begun on a frame and is no part of the exam ends with it.
+  void drop_unfinished() {
+    line_px.clear();
+    ruler_px.clear();
+    seeds_px.clear();
+    preview_px.clear();
+    chosen.reset();
+  }
 
   bool show_outlines = true;
   bool show_hatching = true;
@@ -48,6 +86,6 @@ struct ViewState {
 };
 
 /// The names of tools, in the order of Tool.
-inline constexpr std::size_t kToolCount = 9;
+inline constexpr std::size_t kToolCount = 12;
 
 }  // namespace fathom

@@ -8,10 +8,20 @@
 
 namespace fathom {
 
+namespace {
+
+// Parts of the mouse's reach. A hand points about as well as kSnap says: clicks are moved no farther, so that who
+// clicks with care is not led astray by an edge nearby.
+constexpr double kSnap = 0.4;
+constexpr double kOnLine = 0.5;
+
+}  // namespace
+
 void WireTool::prepare(Session& session, const cv::Mat& image) {
   const ViewState& view = session.view;
-  if (document_ == session.document() && recording_ == view.recording && frame_ == view.frame) return;
-  document_ = session.document();
+  const auto scan = session.document()->scan();
+  if (scan_.lock() == scan && recording_ == view.recording && frame_ == view.frame) return;
+  scan_ = scan;
   recording_ = view.recording;
   frame_ = view.frame;
   wire_ = nullptr;
@@ -43,7 +53,12 @@ void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& i
     const auto& seeds = wire_->seeds();
     const bool on_first = seeds.size() >= 2 && (seeds.front() - input.at_px).norm() <= 1.5 * input.reach_px;
     if (on_first || (input.twice && seeds.size() >= 2)) return finish(session);
-    session.attempt("wire", [&] { wire_->add_seed(wire_->snapped(input.at_px, input.reach_px)); });
+    // On what is drawn, but not where it is about to be closed or goes on: the line is taken back to there.
+    const auto near = [&](const Eigen::Vector2d& seed) { return (seed - input.at_px).norm() <= 3.0 * input.reach_px; };
+    const bool at_ends = seeds.empty() || near(seeds.front()) || near(seeds.back());
+    if (at_ends || !wire_->reseed(input.at_px, kOnLine * input.reach_px)) {
+      session.attempt("wire", [&] { wire_->add_seed(wire_->snapped(input.at_px, kSnap * input.reach_px)); });
+    }
     show(session);
   } else if (moved && input.hovered && !wire_->seeds().empty()) {
     show(session);

@@ -9,26 +9,27 @@
 #include "segmentation/live_wire.h"
 #include "viewer/review_tools.h"
 #include "viewer/session.h"
+#include "viewer/step_tool.h"
 
 namespace fathom {
 
 /// Outlining by clicks between which the line follows the edges of the shown frame (live-wire).
-class WireTool {
+class WireTool : public StepTool {
  public:
   /// `image` is that of the shown frame. Edges are looked for beside the frame; until then clicks are passed over.
   void handle(Session& session, const ToolInput& input, const cv::Mat& image);
   /// Takes back the last click. False where there is none.
-  bool undo(Session& session);
+  bool undo(Session& session) override;
   /// Closes the line and puts it into the document.
-  void finish(Session& session);
-  void give_up(Session& session);
+  void finish(Session& session) override;
+  void give_up(Session& session) override;
 
  private:
   void prepare(Session& session, const cv::Mat& image);
   void show(Session& session);
 
   std::shared_ptr<LiveWire> wire_;  // of the frame below; null while it is made
-  const Document* document_ = nullptr;
+  std::weak_ptr<const Scan> scan_;
   int recording_ = -1;
   int frame_ = -1;
   std::uint64_t number_ = 0;  // grows with every frame that edges were asked for

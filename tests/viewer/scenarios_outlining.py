@@ -44,9 +44,10 @@ def last_points_removed_while_drawing(viewer, shared):
 
 def line_given_up(viewer, shared):
     clicks = [{"click": at(*p)} for p in shared.loop(5, 4)]
-    run = viewer.run(*recording(shared), events=[IDLE, {"key": "D"}, *go_to(5), picture("empty", "pane:Review"), *clicks,
-                                                 {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, DUMP,
-                                                 picture(of="pane:Review")])
+    away = [{"move": [3, 3]}, {"frames": 2}]
+    run = viewer.run(*recording(shared), events=[
+        IDLE, {"key": "D"}, *go_to(5), *away, picture("empty", "pane:Review"), *clicks, {"key": "Escape"}, *away, DUMP,
+        picture(of="pane:Review")])
     assert run.state()["view"]["line"] == [] and run.picture().differs(run.picture("empty")) == 0
 
 

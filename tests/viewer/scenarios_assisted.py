@@ -1,0 +1,227 @@
+"""Outlining with help of the image: wire, region, threshold, refinement, filling between outlines."""
+
+import json
+
+from viewer_driver import DUMP, IDLE, at, picture
+from viewer_exams import fathom, go_to, is_bright_cyan, recording, structure
+
+
+def area(points):
+    return abs(sum(p[0] * q[1] - q[0] * p[1] for p, q in zip(points, points[1:] + points[:1]))) / 2
+
+
+def middle(points):
+    return [sum(p[i] for p in points) / len(points) for i in range(2)]
+
+
+def farthest(points, others):
+    """How far the point of the one that is farthest from all points of the other lies from them."""
+    return max(min((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 for q in others) for p in points) ** 0.5
+
+
+def is_white(r, g, b):
+    return r == g == b and r > 225
+
+
+class Bladder:
+    """A speckled sweep of a bladder, with the true outlines."""
+
+    FRAMES = 16
+
+    def __init__(self, viewer, shared):
+        self.program, self.folder, self.scan = shared.program, viewer.folder, viewer.folder / "bladder.mha"
+        fathom(shared.program, "simulate", "--object", "bladder", "--pattern", "free", "--frames", self.FRAMES, "--speckle",
+               "--out", self.scan)
+        self.calibration = viewer.folder / "bladder.calibration.json"
+        contours = json.loads((viewer.folder / "bladder.contours.json").read_text())["structures"][0]["contours"]
+        self.outlines = {c["frame"]: c["points"] for c in contours if "points" in c}
+
+    def recording(self):
+        return [self.scan, "--calibration", self.calibration]
+
+    def show(self, frame):
+        return [{"click": {"item": "pane:Timeline", "at": [(frame + 0.5) / self.FRAMES, 0.7]}}, IDLE]
+
+    def seeds(self, frame, count):
+        points = self.outlines[frame]
+        return [points[i * len(points) // count] for i in range(count)]
+
+    def with_outlines(self, outlines):
+        contours = self.folder / "drawn.json"
+        contours.write_text(json.dumps({"fathom_contours": 1, "structures": [
+            {"name": "bladder", "color": "#33ccff",
+             "contours": [{"frame": f, "closed": True, "points": points} for f, points in outlines.items()]}]}))
+        return [*self.recording(), "--contours", contours]
+
+
+def bladder_outlined_by_wire(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    seeds = bladder.seeds(8, 6)
+    click = lambda seed: {"click": at(*seed)}  # noqa: E731
+    way = [{"move": at(*seeds[3])}, {"frames": 2}]
+    beside = {"move": at(*middle(bladder.outlines[8]))}
+    run = viewer.run(*bladder.recording(), events=[
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *map(click, seeds[:3]),
+        {"dump": "three.json"}, *way, {"dump": "ahead.json"}, picture("ahead", "pane:Review"), beside, {"frames": 2},
+        {"dump": "aside.json"}, click(seeds[3]), {"key": "Ctrl+Z"}, *way, {"dump": "undone.json"},
+        {"wait_s": 0.4}, *map(click, seeds[3:]), {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Review"), {"key": "Ctrl+Z"}, IDLE,
+        {"dump": "without.json"}])
+    three, ahead, aside, undone = (run.state(name)["view"]["line"] for name in ("three", "ahead", "aside", "undone"))
+    assert len(ahead) > len(three) + 5 and ahead != aside, "the line does not follow the pointer"
+    assert farthest(ahead, bladder.outlines[8]) < 12, "the line does not follow the edge"
+    assert undone == ahead, "taking back a click did not leave the line as it was before"
+    assert run.picture("ahead").differs(run.picture("empty")) > 150, "the line is not shown"
+    assert run.state("undone")["document"]["edits"] == 0
+    (contour,) = structure(run.state())["contours"]
+    assert contour["closed"] and contour["frame"] == 8 and run.state()["view"]["line"] == []
+    assert abs(area(contour["points"]) / area(bladder.outlines[8]) - 1) < 0.05
+    assert run.picture().differs(run.picture("empty")) > 300
+    assert run.state("without")["document"]["structures"] == [], "the outline is not one action"
+
+
+def wire_taken_back_to_where_it_is_clicked(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    seeds = bladder.seeds(8, 6)
+    clicks = [{"click": at(*seed)} for seed in seeds[:4]]
+    back = bladder.seeds(8, 12)[3]  # half way between the second and the third click, on the line
+    run = viewer.run(*bladder.recording(), events=[
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *clicks,
+        {"dump": "far.json"}, {"click": at(*back)}, {"dump": "back.json"}, {"key": "Backspace"}, {"move": at(*seeds[3])},
+        {"frames": 2}, {"dump": "again.json"}, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, {"dump": "none.json"},
+        picture("none", "pane:Review"), {"move": at(*seeds[2])}, {"frames": 2}, {"dump": "later.json"},
+        {"key": "B"}, {"key": "E"}, {"move": at(*seeds[1])}, {"frames": 2}, DUMP])
+    far, taken, again = (run.state(name)["view"]["line"] for name in ("far", "back", "again"))
+    assert len(far) * 0.35 < len(taken) < len(far) * 0.65, (len(far), len(taken))
+    assert taken == far[:len(taken)] or farthest(taken, far) < 2
+    assert farthest(again, far) < 2 and abs(len(again) - len(far)) < 5, "taking it back cannot be undone"
+    for name in ("none", "later", "state"):
+        state = run.state(name)
+        assert state["view"]["line"] == [] and state["document"]["edits"] == 0, f"{name}: Escape left something behind"
+    assert run.picture("none").differs(run.picture("empty")) == 0
+
+
+def region_grows_from_seeds(viewer, shared):
+    truth = shared.outlines[5]
+    inside = middle(truth)
+    run = viewer.run(*recording(shared), events=[
+        IDLE, *go_to(5), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"click": "Region"}, {"click": at(*inside)}, IDLE, {"move": [3, 3]},
+        {"frames": 2}, {"dump": "shown.json"}, picture("shown", "pane:Review"), {"key": "Ctrl+Z"}, IDLE, {"dump": "back.json"},
+        {"click": at(*inside)}, IDLE, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, {"dump": "dropped.json"},
+        picture("dropped", "pane:Review"), {"click": at(*inside)}, {"key": "Enter"}, IDLE, {"move": [3, 3]}, {"frames": 2}, DUMP,
+        picture(of="pane:Review"), {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}, picture("undone", "pane:Review")])
+    shown = run.state("shown")["view"]
+    assert len(shown["preview"]) == 1 and len(shown["seeds"]) == 1
+    assert abs(area(shown["preview"][0]) / area(truth) - 1) < 0.02
+    assert run.picture("shown").differs(run.picture("empty")) > 100
+    for name in ("back", "dropped", "undone"):
+        state = run.state(name)
+        assert state["view"]["preview"] == state["view"]["seeds"] == state["document"]["structures"] == [], name
+    assert run.picture("dropped").differs(run.picture("empty")) == 0 == run.picture("undone").differs(run.picture("empty"))
+    contours = structure(run.state())["contours"]
+    assert [c["points"] for c in contours] == shown["preview"] and contours[0]["frame"] == 5
+    assert run.state()["view"]["preview"] == [] and run.picture().differs(run.picture("empty")) > 100
+
+
+def region_without_a_border_is_a_message(viewer, shared):
+    run = viewer.run(*recording(shared), events=[
+        IDLE, *go_to(0), {"key": "K"}, {"click": at(30, 30)}, IDLE, {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Messages")])
+    state = run.state()
+    assert state["document"]["edits"] == 0 and state["view"]["preview"] == []
+    assert [m["about"] for m in state["messages"]] == ["region"] and "border" in state["messages"][0]["text"]
+    assert run.picture().count(lambda r, g, b: r > 180 and g < 140) > 50
+
+
+def threshold_follows_its_sliders(viewer, shared):
+    truth = shared.outlines[5]
+    outside = [truth[0][0] + 500, truth[0][1]]
+    run = viewer.run(*recording(shared), events=[
+        IDLE, *go_to(5), {"key": "I"}, IDLE, {"dump": "bright.json"}, picture("bright", "pane:Review"),
+        {"drag": [{"item": "high", "at": [0.9, 0.5]}, {"item": "high", "at": [0.4, 0.5]}]},
+        {"drag": [{"item": "low", "at": [0.3, 0.5]}, {"item": "low", "at": [0.0, 0.5]}]}, IDLE, {"dump": "dark.json"},
+        {"key": "Escape"}, {"frames": 2}, {"dump": "dropped.json"}, {"key": "Enter"}, IDLE, {"dump": "nothing.json"},
+        {"drag": [{"item": "high", "at": [0.4, 0.5]}, {"item": "high", "at": [1.0, 0.5]}]},
+        {"drag": [{"item": "low", "at": [0.02, 0.5]}, {"item": "low", "at": [0.5, 0.5]}]}, IDLE,
+        {"click": at(*middle(truth))}, IDLE, {"dump": "part.json"}, {"click": "Take"}, IDLE, DUMP, {"key": "Ctrl+Z"}, IDLE,
+        {"dump": "undone.json"}])
+    bright, dark = run.state("bright")["view"]["preview"], run.state("dark")["view"]["preview"]
+    assert len(bright) == 1 and abs(area(bright[0]) / area(truth) - 1) < 0.02
+    assert len(dark) == 2 and abs(area(dark[1]) / area(truth) - 1) < 0.03, "the dark part has the bright one as a hole"
+    assert outside not in dark[0] and run.picture("bright").count(is_white) > 100
+    for name in ("dropped", "nothing", "undone"):
+        assert run.state(name)["view"]["preview"] == run.state(name)["document"]["structures"] == [], name
+    part = run.state("part")["view"]
+    assert len(part["preview"]) == len(part["seeds"]) == 1
+    assert [c["points"] for c in structure(run.state())["contours"]] == part["preview"]
+    assert run.state()["document"]["edits_done"] == 1
+
+
+def outline_is_refined(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    truth = bladder.outlines[8]
+    centre = middle(truth)
+    drawn = [[centre[i] + (p[i] - centre[i]) * 0.94 for i in range(2)] for p in truth[::8]]
+    run = viewer.run(*bladder.with_outlines({8: drawn, 5: bladder.outlines[5][::8]}), events=[
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "J"}, IDLE, {"frames": 2}, {"dump": "shown.json"},
+        picture("shown", "pane:Review"), {"key": "Escape"}, {"frames": 2}, {"dump": "dropped.json"}, {"key": "J"}, IDLE,
+        {"drag": [{"item": "reach", "at": [0.2, 0.5]}, {"item": "reach", "at": [0.5, 0.5]}]}, IDLE, {"dump": "farther.json"},
+        {"key": "Enter"}, IDLE, DUMP, {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
+    shown, farther = run.state("shown")["view"]["preview"], run.state("farther")["view"]["preview"]
+    assert len(shown) == len(farther) == 1 and shown != farther, "the reach changes nothing"
+    off = lambda points: abs(area(points) / area(truth) - 1)  # noqa: E731
+    assert off(drawn) > 0.1 and off(shown[0]) < off(drawn) and off(farther[0]) < 0.04, (off(shown[0]), off(farther[0]))
+    assert run.picture("shown").differs(run.picture("before")) > 100
+    assert run.state("dropped")["view"]["preview"] == [] and run.state("dropped")["document"]["edits"] == 0
+    by_frame = {c["frame"]: c["points"] for c in structure(run.state())["contours"]}
+    assert by_frame[8] == farther[0] and len(by_frame) == 2 and run.state()["view"]["preview"] == []
+    undone = {c["frame"]: c["points"] for c in structure(run.state("undone"))["contours"]}
+    assert undone[5] == by_frame[5] and undone[8] == drawn
+
+
+def filled_between_outlines(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    drawn = {f: bladder.outlines[f][::8] for f in (2, 7, 13)}
+    run = viewer.run(*bladder.with_outlines(drawn), events=[
+        IDLE, *bladder.show(5), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "T"}, {"click": "cancel:fill"}, IDLE,
+        {"dump": "cancelled.json"}, {"key": "T"}, IDLE, {"frames": 2}, DUMP, picture(of="pane:Review"), {"key": "Ctrl+Z"},
+        IDLE, {"dump": "undone.json"}, picture("undone", "pane:Review")])
+    filled = {c["frame"]: c for c in structure(run.state())["contours"]}
+    assert sorted(filled) == list(range(2, 14)) and run.state()["document"]["edits_done"] == 1
+    assert all((filled[f]["confidence"] is None) == (f in drawn) for f in filled)
+    off = {f: abs(area(filled[f]["points"]) / area(bladder.outlines[f]) - 1) for f in filled}
+    assert max(off.values()) < 0.15, off
+    assert run.picture().count(is_bright_cyan) > run.picture("before").count(is_bright_cyan) + 100
+    assert run.picture("undone").differs(run.picture("before")) == 0
+    for name in ("cancelled", "undone"):
+        assert sorted(c["frame"] for c in structure(run.state(name))["contours"]) == sorted(drawn), name
+
+
+def unsure_outlines_are_shown_and_mended(viewer, shared):
+    frames = {f: shared.loop(f, 16) for f in shared.frames[1:8]}
+    sure, unsure = shared.frames[3], shared.frames[5]
+    contours = [{"frame": f, "closed": True, "points": points} for f, points in frames.items()]
+    for contour in contours:
+        contour.update({sure: {"confidence": 0.97}, unsure: {"confidence": 0.6}}.get(contour["frame"], {}))
+    path = viewer.folder / "filled.json"
+    path.write_text(json.dumps({"fathom_contours": 1, "structures": [
+        {"name": "bladder", "color": "#33ccff", "contours": contours}]}))
+    start = frames[unsure][0]
+    run = viewer.run(*recording(shared), "--contours", path, events=[
+        IDLE, {"key": "Home"}, *go_to(sure), {"frames": 2}, picture("sure", "pane:Review"), {"key": "Home"}, {"key": "Shift+Right"},
+        IDLE, {"frames": 2}, {"dump": "shown.json"}, picture("unsure", "pane:Review"), picture("line", "pane:Timeline"), {"key": "P"},
+        {"drag": [at(*start), at(start[0] + 8, start[1] + 8)]}, {"key": "B"}, {"move": [3, 3]}, IDLE, {"frames": 2}, DUMP,
+        picture(of="pane:Review"), picture("mended", "pane:Timeline"), {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
+    confidences = lambda name: {c["frame"]: c["confidence"] for c in structure(run.state(name))["contours"]}  # noqa: E731
+    assert run.state("shown")["view"]["frame"] == unsure and confidences("shown")[unsure] == 0.6
+    dashed, full = (run.picture(name).count(is_bright_cyan) for name in ("unsure", "picture"))
+    assert dashed < 0.8 * full, "an unsure outline looks like a sure one"
+    orange = lambda r, g, b: r > 220 and 100 < g < 140 and b < 60  # noqa: E731
+    assert run.picture("line").count(orange) > 20 and run.picture("mended").count(orange) == 0
+    assert confidences("state")[unsure] is None and confidences("state")[sure] == 0.97, "a mended outline is the user's own"
+    assert confidences("undone") == confidences("shown")
+
+
+SCENARIOS = [
+    bladder_outlined_by_wire, wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
+    region_without_a_border_is_a_message, threshold_follows_its_sliders, outline_is_refined,
+    filled_between_outlines, unsure_outlines_are_shown_and_mended,
+]
