@@ -33,9 +33,8 @@ std::vector<StructureResult> measure(const MeasureCommand& command, const std::o
   const auto division = division_of(command.input, exam, scan, structures);
   const bool divided = division && !division->partition.planes().empty();
   if (!divided) require_measurable(structures, frame_counts(scan), OpenContours::kRefuse, file);
+  options.confidence = {scan.calibration, scan.names, command.errors};
   if (division) return measure_structures(structures, scan, *division, options, progress_bar("measuring"));
-  const std::string calibration = calibration_file(command.input, exam);
-  options.confidence = {read_calibration(calibration, command.input.names.probe), command.input.names, command.errors};
   return measure_structures(structures, *scan.recordings.front(), scan.locators.front(), options,
                             progress_bar("measuring"));
 }

@@ -48,9 +48,9 @@ std::vector<StructureResult> measure_document(const DocumentSnapshot& document, 
   const bool divided = division && !division->partition.planes().empty();
   require_simple_outlines(structures, file);
   require_measurable(structures, frame_counts(scan), divided ? OpenContours::kAllow : OpenContours::kRefuse, file);
-  if (division) return measure_structures(structures, scan, *division, options, progress);
   MeasureOptions asked = options;
   if (!asked.confidence) asked.confidence = ConfidenceOptions{scan.calibration, scan.names, {}};
+  if (division) return measure_structures(structures, scan, *division, asked, progress);
   return measure_structures(structures, *scan.recordings.front(), scan.locators.front(), asked, progress);
 }
 

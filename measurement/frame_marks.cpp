@@ -54,7 +54,9 @@ std::vector<FrameMarks> frame_marks(const Structure& structure, const std::strin
   for (const Contour& contour : structure.contours) {
     complaint.require_place(contour.frame, contour.recording);
     if (!contour.closed) {
-      complaint.about(contour.frame, "its contour is open and encloses no area; close it, or leave it out");
+      complaint.about(contour.frame,
+                      "its contour is open and encloses no area; close it, leave it out, or place dividing planes if "
+                      "another sweep shows the rest");
     }
     if (contour.points_px.size() < 3) {
       complaint.about(contour.frame, "its contour has fewer than three points; draw it again");
