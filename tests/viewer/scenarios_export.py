@@ -27,8 +27,7 @@ def named_exam(viewer, shared):
     """Its folder tells a name, too."""
     path = viewer.folder / "Mustermann exam"
     fathom(shared.program, "exam", "create", path, "--recording", shared.scan, "--calibration", shared.calibration,
-        "--contours",
-           shared.thin)
+           "--contours", shared.thin)
     return path
 
 
