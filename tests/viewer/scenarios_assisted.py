@@ -30,8 +30,8 @@ class Bladder:
 
     def __init__(self, viewer, shared):
         self.program, self.folder, self.scan = shared.program, viewer.folder, viewer.folder / "bladder.mha"
-        fathom(shared.program, "simulate", "--object", "bladder", "--pattern", "free", "--frames", self.FRAMES, "--speckle",
-               "--out", self.scan)
+        fathom(shared.program, "simulate", "--object", "bladder", "--pattern", "free", "--frames", self.FRAMES,
+               "--speckle", "--out", self.scan)
         self.calibration = viewer.folder / "bladder.calibration.json"
         contours = json.loads((viewer.folder / "bladder.contours.json").read_text())["structures"][0]["contours"]
         self.outlines = {c["frame"]: c["points"] for c in contours if "points" in c}
@@ -61,10 +61,12 @@ def bladder_outlined_by_wire(viewer, shared):
     way = [{"move": at(*seeds[3])}, {"frames": 2}]
     beside = {"move": at(*middle(bladder.outlines[8]))}
     run = viewer.run(*bladder.recording(), events=[
-        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *map(click, seeds[:3]),
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"},
+        {"move": at(*seeds[0])}, IDLE, *map(click, seeds[:3]),
         {"dump": "three.json"}, *way, {"dump": "ahead.json"}, picture("ahead", "pane:Review"), beside, {"frames": 2},
         {"dump": "aside.json"}, click(seeds[3]), {"key": "Ctrl+Z"}, *way, {"dump": "undone.json"},
-        {"wait_s": 0.4}, *map(click, seeds[3:]), {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Review"), {"key": "Ctrl+Z"}, IDLE,
+        {"wait_s": 0.4}, *map(click, seeds[3:]), {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Review"),
+        {"key": "Ctrl+Z"}, IDLE,
         {"dump": "without.json"}])
     three, ahead, aside, undone = (run.state(name)["view"]["line"] for name in ("three", "ahead", "aside", "undone"))
     assert len(ahead) > len(three) + 5 and ahead != aside, "the line does not follow the pointer"
@@ -85,9 +87,12 @@ def wire_taken_back_to_where_it_is_clicked(viewer, shared):
     clicks = [{"click": at(*seed)} for seed in seeds[:4]]
     back = bladder.seeds(8, 12)[3]  # half way between the second and the third click, on the line
     run = viewer.run(*bladder.recording(), events=[
-        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"}, {"move": at(*seeds[0])}, IDLE, *clicks,
-        {"dump": "far.json"}, {"click": at(*back)}, {"dump": "back.json"}, {"key": "Backspace"}, {"move": at(*seeds[3])},
-        {"frames": 2}, {"dump": "again.json"}, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, {"dump": "none.json"},
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"},
+        {"move": at(*seeds[0])}, IDLE, *clicks,
+        {"dump": "far.json"}, {"click": at(*back)}, {"dump": "back.json"}, {"key": "Backspace"},
+        {"move": at(*seeds[3])},
+        {"frames": 2}, {"dump": "again.json"}, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2},
+        {"dump": "none.json"},
         picture("none", "pane:Review"), {"move": at(*seeds[2])}, {"frames": 2}, {"dump": "later.json"},
         {"key": "B"}, {"key": "E"}, {"move": at(*seeds[1])}, {"frames": 2}, DUMP])
     far, taken, again = (run.state(name)["view"]["line"] for name in ("far", "back", "again"))
@@ -104,10 +109,13 @@ def region_grows_from_seeds(viewer, shared):
     truth = shared.outlines[5]
     inside = middle(truth)
     run = viewer.run(*recording(shared), events=[
-        IDLE, *go_to(5), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"click": "Region"}, {"click": at(*inside)}, IDLE, {"move": [3, 3]},
-        {"frames": 2}, {"dump": "shown.json"}, picture("shown", "pane:Review"), {"key": "Ctrl+Z"}, IDLE, {"dump": "back.json"},
+        IDLE, *go_to(5), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"click": "Region"},
+        {"click": at(*inside)}, IDLE, {"move": [3, 3]},
+        {"frames": 2}, {"dump": "shown.json"}, picture("shown", "pane:Review"), {"key": "Ctrl+Z"}, IDLE,
+        {"dump": "back.json"},
         {"click": at(*inside)}, IDLE, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2}, {"dump": "dropped.json"},
-        picture("dropped", "pane:Review"), {"click": at(*inside)}, {"key": "Enter"}, IDLE, {"move": [3, 3]}, {"frames": 2}, DUMP,
+        picture("dropped", "pane:Review"), {"click": at(*inside)}, {"key": "Enter"}, IDLE, {"move": [3, 3]},
+        {"frames": 2}, DUMP,
         picture(of="pane:Review"), {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}, picture("undone", "pane:Review")])
     shown = run.state("shown")["view"]
     assert len(shown["preview"]) == 1 and len(shown["seeds"]) == 1
@@ -124,7 +132,8 @@ def region_grows_from_seeds(viewer, shared):
 
 def region_without_a_border_is_a_message(viewer, shared):
     run = viewer.run(*recording(shared), events=[
-        IDLE, *go_to(0), {"key": "K"}, {"click": at(30, 30)}, IDLE, {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Messages")])
+        IDLE, *go_to(0), {"key": "K"}, {"click": at(30, 30)}, IDLE, {"key": "Enter"}, IDLE, DUMP,
+        picture(of="pane:Messages")])
     state = run.state()
     assert state["document"]["edits"] == 0 and state["view"]["preview"] == []
     assert [m["about"] for m in state["messages"]] == ["region"] and "border" in state["messages"][0]["text"]
@@ -141,7 +150,8 @@ def threshold_follows_its_sliders(viewer, shared):
         {"key": "Escape"}, {"frames": 2}, {"dump": "dropped.json"}, {"key": "Enter"}, IDLE, {"dump": "nothing.json"},
         {"drag": [{"item": "high", "at": [0.4, 0.5]}, {"item": "high", "at": [1.0, 0.5]}]},
         {"drag": [{"item": "low", "at": [0.02, 0.5]}, {"item": "low", "at": [0.5, 0.5]}]}, IDLE,
-        {"click": at(*middle(truth))}, IDLE, {"dump": "part.json"}, {"click": "Take"}, IDLE, DUMP, {"key": "Ctrl+Z"}, IDLE,
+        {"click": at(*middle(truth))}, IDLE, {"dump": "part.json"}, {"click": "Take"}, IDLE, DUMP, {"key": "Ctrl+Z"},
+        IDLE,
         {"dump": "undone.json"}])
     bright, dark = run.state("bright")["view"]["preview"], run.state("dark")["view"]["preview"]
     assert len(bright) == 1 and abs(area(bright[0]) / area(truth) - 1) < 0.02
@@ -161,9 +171,11 @@ def outline_is_refined(viewer, shared):
     centre = middle(truth)
     drawn = [[centre[i] + (p[i] - centre[i]) * 0.94 for i in range(2)] for p in truth[::8]]
     run = viewer.run(*bladder.with_outlines({8: drawn, 5: bladder.outlines[5][::8]}), events=[
-        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "J"}, IDLE, {"frames": 2}, {"dump": "shown.json"},
+        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "J"}, IDLE,
+        {"frames": 2}, {"dump": "shown.json"},
         picture("shown", "pane:Review"), {"key": "Escape"}, {"frames": 2}, {"dump": "dropped.json"}, {"key": "J"}, IDLE,
-        {"drag": [{"item": "reach", "at": [0.2, 0.5]}, {"item": "reach", "at": [0.5, 0.5]}]}, IDLE, {"dump": "farther.json"},
+        {"drag": [{"item": "reach", "at": [0.2, 0.5]}, {"item": "reach", "at": [0.5, 0.5]}]}, IDLE,
+        {"dump": "farther.json"},
         {"key": "Enter"}, IDLE, DUMP, {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
     shown, farther = run.state("shown")["view"]["preview"], run.state("farther")["view"]["preview"]
     assert len(shown) == len(farther) == 1 and shown != farther, "the reach changes nothing"
@@ -181,8 +193,10 @@ def filled_between_outlines(viewer, shared):
     bladder = Bladder(viewer, shared)
     drawn = {f: bladder.outlines[f][::8] for f in (2, 7, 13)}
     run = viewer.run(*bladder.with_outlines(drawn), events=[
-        IDLE, *bladder.show(5), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "T"}, {"click": "cancel:fill"}, IDLE,
-        {"dump": "cancelled.json"}, {"key": "T"}, IDLE, {"frames": 2}, DUMP, picture(of="pane:Review"), {"key": "Ctrl+Z"},
+        IDLE, *bladder.show(5), {"move": [3, 3]}, {"frames": 2}, picture("before", "pane:Review"), {"key": "T"},
+        {"click": "cancel:fill"}, IDLE,
+        {"dump": "cancelled.json"}, {"key": "T"}, IDLE, {"frames": 2}, DUMP, picture(of="pane:Review"),
+        {"key": "Ctrl+Z"},
         IDLE, {"dump": "undone.json"}, picture("undone", "pane:Review")])
     filled = {c["frame"]: c for c in structure(run.state())["contours"]}
     assert sorted(filled) == list(range(2, 14)) and run.state()["document"]["edits_done"] == 1
@@ -206,10 +220,14 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
         {"name": "bladder", "color": "#33ccff", "contours": contours}]}))
     start = frames[unsure][0]
     run = viewer.run(*recording(shared), "--contours", path, events=[
-        IDLE, {"key": "Home"}, *go_to(sure), {"frames": 2}, picture("sure", "pane:Review"), {"key": "Home"}, {"key": "Shift+Right"},
-        IDLE, {"frames": 2}, {"dump": "shown.json"}, picture("unsure", "pane:Review"), picture("line", "pane:Timeline"), {"key": "P"},
-        {"drag": [at(*start), at(start[0] + 8, start[1] + 8)]}, {"key": "B"}, {"move": [3, 3]}, IDLE, {"frames": 2}, DUMP,
-        picture(of="pane:Review"), picture("mended", "pane:Timeline"), {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
+        IDLE, {"key": "Home"}, *go_to(sure), {"frames": 2}, picture("sure", "pane:Review"), {"key": "Home"},
+        {"key": "Shift+Right"},
+        IDLE, {"frames": 2}, {"dump": "shown.json"}, picture("unsure", "pane:Review"),
+        picture("line", "pane:Timeline"), {"key": "P"},
+        {"drag": [at(*start), at(start[0] + 8, start[1] + 8)]}, {"key": "B"}, {"move": [3, 3]}, IDLE, {"frames": 2},
+        DUMP,
+        picture(of="pane:Review"), picture("mended", "pane:Timeline"), {"key": "Ctrl+Z"}, IDLE,
+        {"dump": "undone.json"}])
     confidences = lambda name: {c["frame"]: c["confidence"] for c in structure(run.state(name))["contours"]}  # noqa: E731
     assert run.state("shown")["view"]["frame"] == unsure and confidences("shown")[unsure] == 0.6
     dashed, full = (run.picture(name).count(is_bright_cyan) for name in ("unsure", "picture"))

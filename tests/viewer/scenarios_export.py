@@ -26,14 +26,15 @@ def exported(entry, folder):
 def named_exam(viewer, shared):
     """Its folder tells a name, too."""
     path = viewer.folder / "Mustermann exam"
-    fathom(shared.program, "exam", "create", path, "--recording", shared.scan, "--calibration", shared.calibration, "--contours",
-           shared.thin)
+    fathom(shared.program, "exam", "create", path, "--recording", shared.scan, "--calibration", shared.calibration,
+           "--contours", shared.thin)
     return path
 
 
 def exported_files_hold_what_is_shown(viewer, shared):
     out = viewer.folder / "out"
-    run = viewer.run(named_exam(viewer, shared), window=(900, 900), events=told(NAMES) + exported("Export...", out) + [DUMP])
+    run = viewer.run(named_exam(viewer, shared), window=(900, 900),
+        events=told(NAMES) + exported("Export...", out) + [DUMP])
     shown = structure(run.state())
     assert set(run.state()["document"]["texts"]) >= set(NAMES.values())
     assert any(str(out) in m["text"] and not m["is_error"] for m in run.state()["messages"])
@@ -116,7 +117,8 @@ def burned_in_text_is_masked(viewer, shared):
     (left, top), (right, bottom) = ([f(p[i] for p in organ) for i in range(2)] for f in (min, max))
     corners = [(left - 15, top - 15), (right + 15, top - 15), (right + 15, bottom + 15), (left - 15, bottom + 15)]
     viewer.run(scan, "--calibration", shared.calibration, "--contours", shared.thin, events=[
-        IDLE, *exported("Export...", viewer.folder / "open"), *exported("Export without names...", viewer.folder / "bare"), {"key": "R"},
+        IDLE, *exported("Export...", viewer.folder / "open"),
+        *exported("Export without names...", viewer.folder / "bare"), {"key": "R"},
         *[{"click": at(*corner)} for corner in corners], {"frames": 1},
         *exported("Export without names...", viewer.folder / "masked"), DUMP])
     dim, rows = 0.75, 360  # B-scans are dimmed, and the organ begins above this row
@@ -131,11 +133,13 @@ def burned_in_text_is_masked(viewer, shared):
 def export_that_fails_is_a_message(viewer, shared):
     taken = viewer.folder / "taken"
     taken.write_text("a file of the user's own")
-    run = viewer.run(shared.exam(viewer.folder), events=[IDLE, {"dump": "before.json"}, *exported("Export...", taken), DUMP])
+    run = viewer.run(shared.exam(viewer.folder),
+        events=[IDLE, {"dump": "before.json"}, *exported("Export...", taken), DUMP])
     assert [m["about"] for m in run.state()["messages"] if m["is_error"]] == ["export"]
     assert "taken" in run.state()["messages"][0]["text"]
     assert taken.read_text() == "a file of the user's own"
     assert run.state()["document"] == run.state("before")["document"]
 
 
-SCENARIOS = [exported_files_hold_what_is_shown, exported_without_names, burned_in_text_is_masked, export_that_fails_is_a_message]
+SCENARIOS = [exported_files_hold_what_is_shown, exported_without_names, burned_in_text_is_masked,
+    export_that_fails_is_a_message]

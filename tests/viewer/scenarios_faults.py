@@ -31,8 +31,10 @@ def faults_are_messages_and_the_exam_stays(viewer, shared):
 
 def faults_are_copied(viewer, shared):
     run = viewer.run(shared.exam(viewer.folder), window=(900, 900), events=[
-        IDLE, {"drop": str(viewer.folder / "nothing.mha")}, IDLE, {"dump": "said.json"}, picture("said"), {"click": "Copy"},
-        {"click": "Dismiss"}, {"frames": 2}, {"click": "Exam"}, {"click": "Notes"}, {"key": "Ctrl+V"}, {"key": "Enter"}, IDLE, DUMP,
+        IDLE, {"drop": str(viewer.folder / "nothing.mha")}, IDLE, {"dump": "said.json"}, picture("said"),
+        {"click": "Copy"},
+        {"click": "Dismiss"}, {"frames": 2}, {"click": "Exam"}, {"click": "Notes"}, {"key": "Ctrl+V"},
+        {"key": "Enter"}, IDLE, DUMP,
         picture("dismissed")])
     (message,) = run.state("said")["messages"]
     assert message["is_error"] and message["about"] == "nothing.mha" and run.state()["messages"] == []
@@ -79,7 +81,8 @@ def exam_saved_over_another_is_refused(viewer, shared):
     fathom(shared.program, "exam", "create", other, "--recording", shared.scan, "--calibration", shared.calibration)
     before = {path: path.read_bytes() for path in other.rglob("*") if path.is_file()}
     run = viewer.run(shared.exam(viewer.folder), events=[
-        IDLE, {"dump": "before.json"}, {"menu": "File/Save as..."}, {"key": "Ctrl+A"}, {"text": str(other)}, {"key": "Enter"}, IDLE,
+        IDLE, {"dump": "before.json"}, {"menu": "File/Save as..."}, {"key": "Ctrl+A"}, {"text": str(other)},
+        {"key": "Enter"}, IDLE,
         DUMP, picture(of="pane:Messages")])
     assert [m["about"] for m in run.state()["messages"]] == ["save"]
     assert str(other) not in run.state()["recent"]
@@ -90,7 +93,8 @@ def exam_saved_over_another_is_refused(viewer, shared):
 
 def no_display_is_a_clear_line(viewer, shared):
     done = subprocess.run([shared.program, "view"], capture_output=True, text=True,
-                          env={k: v for k, v in viewer.environment().items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")})
+                          env={k: v for k,
+                          v in viewer.environment().items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")})
     assert done.returncode == 1 and done.stderr.startswith("fathom: error: display: "), done.stderr
     assert len(done.stderr.splitlines()) == 1
 

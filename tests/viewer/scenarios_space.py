@@ -70,7 +70,8 @@ def rulers_measure(viewer, shared):
     run = viewer.run(*recording(shared), events=[
         IDLE, {"key": "M"}, {"click": at(100, 100)}, {"click": at(200, 100)}, {"frames": 1}, {"dump": "distance.json"},
         {"key": "N"}, {"click": at(100, 200)}, {"click": at(200, 200)}, {"click": at(200, 100)}, {"dump": "angle.json"},
-        {"key": "R"}, {"click": at(100, 100)}, {"click": at(200, 100)}, {"click": at(200, 200)}, {"click": at(100, 200)},
+        {"key": "R"}, {"click": at(100, 100)}, {"click": at(200, 100)}, {"click": at(200, 200)},
+        {"click": at(100, 200)},
         {"frames": 1}, DUMP, picture(of="pane:Review")])
     matrix = json.loads(shared.calibration.read_text())["image_to_probe"]
     pixel = sum(matrix[4 * i] ** 2 for i in range(3)) ** 0.5
@@ -86,7 +87,8 @@ def reslice_planes_follow_their_handles(viewer, shared):
     run = viewer.run(*recording(shared), window=(1100, 800), events=[
         IDLE, {"dump": "before.json"}, picture("before", "pane:Reslice"),
         {"drag": ["cut 1 move", {"item": "cut 1 move", "at": [0.5, 3.0]}]}, IDLE, {"dump": "moved.json"},
-        {"drag": ["cut 2 turn last", {"item": "cut 2 turn last", "at": [4.0, 4.0]}]}, IDLE, DUMP, picture(of="pane:Reslice")])
+        {"drag": ["cut 2 turn last", {"item": "cut 2 turn last", "at": [4.0, 4.0]}]}, IDLE, DUMP,
+        picture(of="pane:Reslice")])
     planes = [run.state(name)["reslices"] for name in ("before", "moved", "state")]
     assert planes[1][1]["centre_mm"] != planes[0][1]["centre_mm"] and planes[1][1]["normal"] == planes[0][1]["normal"]
     assert planes[2][0]["normal"] != planes[1][0]["normal"]
@@ -96,5 +98,6 @@ def reslice_planes_follow_their_handles(viewer, shared):
 
 
 SCENARIOS = [
-    space_is_turned, surface_cancelled_in_mid_work, dividing_plane_moves_hatching_and_volume, rulers_measure, reslice_planes_follow_their_handles,
+    space_is_turned, surface_cancelled_in_mid_work, dividing_plane_moves_hatching_and_volume, rulers_measure,
+    reslice_planes_follow_their_handles,
 ]
