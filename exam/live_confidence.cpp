@@ -12,7 +12,7 @@ namespace {
 // Why nothing can be known of a scan, before anything is computed; empty where something may be.
 std::string obstacle(const Document& document) {
   try {
-    if (document.division()) return "not known where several sweeps are measured";
+    if (document.division()) return "not of several sweeps";
   } catch (const Error& error) {
     return error.what();
   }

@@ -53,15 +53,14 @@ void frame_button(Session& session, const std::string& item, int frame) {
 
 void draw_missing_end(Session& session, const MissingEnd& end, const std::string& item) {
   const std::string whole = warning_of(end);
-  name_cell("Missing end", whole.c_str());
+  name_cell(end.first ? "Missing before" : "Missing after", whole.c_str());
   frame_button(session, item, end.frame);
-  const std::string where = end.first ? "before it" : "behind it";
-  std::string text = "how much lies " + where + " cannot be told";
   if (end.volume_ml) {
-    text = "about " + format_rounded(*end.volume_ml, 2) + " ml (0 to " + format_rounded(end.high_ml, 2) + ") " + where +
-           ", not in the volume";
+    ImGui::TextWrapped("%s ml (0 to %s)", format_rounded(*end.volume_ml, 2).c_str(),
+                       format_rounded(end.high_ml, 2).c_str());
+  } else {
+    ImGui::TextWrapped("how much cannot be told");
   }
-  ImGui::TextWrapped("%s", text.c_str());
   ui::tip(whole.c_str());
 }
 
@@ -80,30 +79,28 @@ void MeasurementsPane::draw_volumes(Session& session, std::size_t index) {
   update_ellipsoid(session, index);
   const std::uint64_t id = session.document()->content().ids[index];
   const StructureView& view = *session.find_structure(id);
-  if (!ImGui::BeginTable("volumes", 2, ImGuiTableFlags_SizingStretchProp)) return;
+  if (!ImGui::BeginTable("volumes", 2)) return;
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   row("Sections", std::to_string(view.section_count));
-  row("Volume", ml_text(view.volumes.recommended_ml()));
-  if (view.volumes.recommended_ml()) {
-    name_cell("");
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TextWrapped("by %s", kRecommendedMethod);
-    ImGui::PopStyleColor();
-    draw_confidence(session, view);
-  }
+  row("Quadric volume", ml_text(view.volumes.recommended_ml()), "By quadric planimetry: the number to quote");
+  if (view.volumes.recommended_ml()) draw_confidence(session, view, session.active_structure() == index);
   row("Change", change_text(view.volumes, view.volume_before_ml), "By the last action");
   row("Surface", ml_text(view.surface.volume_ml));
   const auto& ellipsoid = ellipsoids_.at(id).volume;
   if (ellipsoid) {
     const Eigen::Vector3d& d = ellipsoid->diameters_mm;
-    row("Ellipsoid", ml_text(ellipsoid->volume_ml),
-        "For comparison: length x width x height x 0.52 along the outlines' own axes");
-    row("", format_rounded(d[0], 1) + " x " + format_rounded(d[1], 1) + " x " + format_rounded(d[2], 1) + " mm");
+    const std::string sides =
+        format_rounded(d[0], 1) + " x " + format_rounded(d[1], 1) + " x " + format_rounded(d[2], 1);
+    const std::string about =
+        sides + " mm x 0.52: length x width x height along the outlines' own axes, for comparison";
+    row("Ellipsoid", ml_text(ellipsoid->volume_ml), about.c_str());
   }
   ImGui::EndTable();
 }
 
 // While an outline moves, what is known is of another state and not shown.
-void MeasurementsPane::draw_confidence(Session& session, const StructureView& view) {
+void MeasurementsPane::draw_confidence(Session& session, const StructureView& view, bool active) {
   name_cell("95 % interval");
   if (!view.confidence_is_current) return ImGui::TextDisabled("...");
   const LiveConfidence& known = view.confidence;
@@ -117,10 +114,11 @@ void MeasurementsPane::draw_confidence(Session& session, const StructureView& vi
   } else {
     ImGui::TextDisabled("from four sections on");
   }
+  if (!active) return;
   if (const auto next = next_worth_outlining(known.confidence)) {
     name_cell("Outline next", "The frame whose outline would tell most about the volume");
     frame_button(session, "outline next", next->frame);
-    ImGui::TextWrapped("surer by about %s ml", format_rounded(next->gain_ml, 2).c_str());
+    ImGui::TextWrapped("%s ml surer", format_rounded(next->gain_ml, 2).c_str());
   }
   int number = 0;
   for (const MissingEnd& end : known.confidence.missing_ends) {
