@@ -45,23 +45,33 @@ std::string change_text(const PlanimetryVolumes& volumes, const std::optional<do
   return text;
 }
 
-void frame_button(Session& session, const std::string& item, int frame) {
-  if (ImGui::SmallButton(("Frame " + std::to_string(frame) + "##" + item).c_str())) session.show_frame(frame);
+// Behind what stands there, or below it where there is no room.
+void flow(const std::string& text) {
+  ImGui::SameLine();
+  if (ImGui::GetContentRegionAvail().x < ImGui::CalcTextSize(text.c_str()).x) ImGui::NewLine();
+  ImGui::TextUnformatted(text.c_str());
+}
+
+void frame_button(Session& session, const std::string& label, const std::string& item, int frame) {
+  if (ImGui::SmallButton((label + " " + std::to_string(frame) + "##" + item).c_str())) session.show_frame(frame);
   ui::note_last(item);
   ui::tip("Show this frame");
 }
 
 void draw_missing_end(Session& session, const MissingEnd& end, const std::string& item) {
-  const std::string whole = warning_of(end);
-  name_cell(end.first ? "Missing before" : "Missing after", whole.c_str());
-  frame_button(session, item, end.frame);
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  frame_button(session, end.first ? "Before" : "After", item, end.frame);
+  ImGui::TableNextColumn();
+  ImGui::BeginGroup();
   if (end.volume_ml) {
-    ImGui::TextWrapped("%s ml (0 to %s)", format_rounded(*end.volume_ml, 2).c_str(),
-                       format_rounded(end.high_ml, 2).c_str());
+    ImGui::TextUnformatted((format_rounded(*end.volume_ml, 2) + " ml missing").c_str());
+    flow("(0 to " + format_rounded(end.high_ml, 2) + ")");
   } else {
-    ImGui::TextWrapped("how much cannot be told");
+    ImGui::TextWrapped("how much is missing cannot be told");
   }
-  ui::tip(whole.c_str());
+  ImGui::EndGroup();
+  ui::tip(warning_of(end).c_str());
 }
 
 }  // namespace
@@ -108,8 +118,7 @@ void MeasurementsPane::draw_confidence(Session& session, const StructureView& vi
   if (known.cancelled) return ImGui::TextDisabled("cancelled");
   if (!known.fault.empty()) return ImGui::TextWrapped("%s", session.text_to_show(known.fault).c_str());
   if (interval) {
-    ImGui::Text("%s to %s ml", format_rounded(interval->low_ml, 2).c_str(),
-                format_rounded(interval->high_ml, 2).c_str());
+    ImGui::Text("%s to %s", format_rounded(interval->low_ml, 2).c_str(), format_rounded(interval->high_ml, 2).c_str());
     ui::tip(parts_text(*interval).c_str());
   } else {
     ImGui::TextDisabled("from four sections on");
@@ -117,8 +126,8 @@ void MeasurementsPane::draw_confidence(Session& session, const StructureView& vi
   if (!active) return;
   if (const auto next = next_worth_outlining(known.confidence)) {
     name_cell("Outline next", "The frame whose outline would tell most about the volume");
-    frame_button(session, "outline next", next->frame);
-    ImGui::TextWrapped("%s ml surer", format_rounded(next->gain_ml, 2).c_str());
+    frame_button(session, "Frame", "outline next", next->frame);
+    flow(format_rounded(next->gain_ml, 2) + " ml surer");
   }
   int number = 0;
   for (const MissingEnd& end : known.confidence.missing_ends) {
