@@ -16,7 +16,7 @@ namespace {
 constexpr double kWidth = 640.0;
 constexpr double kHeight = 200.0;
 constexpr double kLeft = 56.0;
-constexpr double kRight = 632.0;
+constexpr double kRight = 620.0;
 constexpr double kTop = 12.0;
 constexpr double kBottom = 160.0;
 constexpr int kMostTicks = 8;

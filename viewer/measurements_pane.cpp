@@ -27,12 +27,7 @@ void MeasurementsPane::draw(Session& session) {
   if (!document->is_calibrated()) {
     ui::warning("No calibration: nothing can be measured. Drop a calibration file on the window.");
   }
-  for (std::size_t i = 0; i < document->structures().size(); ++i) {
-    ImGui::PushID(static_cast<int>(i));
-    draw_structure(session, i);
-    ImGui::PopID();
-    if (i >= document->structures().size()) break;
-  }
+  // Above what grows, so that it is always in sight.
   if (ui::button("Add structure", "Another organ or lesion, with outlines of its own")) {
     session.attempt("structure", [&] {
       Structure structure;
@@ -40,6 +35,12 @@ void MeasurementsPane::draw(Session& session) {
       structure.color.clear();
       session.view.structure = session.document()->add_structure(std::move(structure));
     });
+  }
+  for (std::size_t i = 0; i < document->structures().size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    draw_structure(session, i);
+    ImGui::PopID();
+    if (i >= document->structures().size()) break;
   }
   draw_planes(session);
   if (!session.view.hides_names) draw_texts(session);

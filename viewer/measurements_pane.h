@@ -22,7 +22,7 @@ class MeasurementsPane {
   void draw_style(Session& session, std::size_t index);
   void draw_opacity(Session& session, std::size_t index);
   void draw_volumes(Session& session, std::size_t index);
-  void draw_confidence(Session& session, const StructureView& view);
+  void draw_confidence(Session& session, const StructureView& view, bool active);
   void draw_graph(Session& session, std::size_t index);
   void draw_planes(Session& session);
   void draw_texts(Session& session);

@@ -45,24 +45,33 @@ std::string change_text(const PlanimetryVolumes& volumes, const std::optional<do
   return text;
 }
 
-void frame_button(Session& session, const std::string& item, int frame) {
-  if (ImGui::SmallButton(("Frame " + std::to_string(frame) + "##" + item).c_str())) session.show_frame(frame);
+// Behind what stands there, or below it where there is no room.
+void flow(const std::string& text) {
+  ImGui::SameLine();
+  if (ImGui::GetContentRegionAvail().x < ImGui::CalcTextSize(text.c_str()).x) ImGui::NewLine();
+  ImGui::TextUnformatted(text.c_str());
+}
+
+void frame_button(Session& session, const std::string& label, const std::string& item, int frame) {
+  if (ImGui::SmallButton((label + " " + std::to_string(frame) + "##" + item).c_str())) session.show_frame(frame);
   ui::note_last(item);
   ui::tip("Show this frame");
 }
 
 void draw_missing_end(Session& session, const MissingEnd& end, const std::string& item) {
-  const std::string whole = warning_of(end);
-  name_cell("Missing end", whole.c_str());
-  frame_button(session, item, end.frame);
-  const std::string where = end.first ? "before it" : "behind it";
-  std::string text = "how much lies " + where + " cannot be told";
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  frame_button(session, end.first ? "Before" : "After", item, end.frame);
+  ImGui::TableNextColumn();
+  ImGui::BeginGroup();
   if (end.volume_ml) {
-    text = "about " + format_rounded(*end.volume_ml, 2) + " ml (0 to " + format_rounded(end.high_ml, 2) + ") " + where +
-           ", not in the volume";
+    ImGui::TextUnformatted((format_rounded(*end.volume_ml, 2) + " ml missing").c_str());
+    flow("(0 to " + format_rounded(end.high_ml, 2) + ")");
+  } else {
+    ImGui::TextWrapped("how much is missing cannot be told");
   }
-  ImGui::TextWrapped("%s", text.c_str());
-  ui::tip(whole.c_str());
+  ImGui::EndGroup();
+  ui::tip(warning_of(end).c_str());
 }
 
 }  // namespace
@@ -80,30 +89,28 @@ void MeasurementsPane::draw_volumes(Session& session, std::size_t index) {
   update_ellipsoid(session, index);
   const std::uint64_t id = session.document()->content().ids[index];
   const StructureView& view = *session.find_structure(id);
-  if (!ImGui::BeginTable("volumes", 2, ImGuiTableFlags_SizingStretchProp)) return;
+  if (!ImGui::BeginTable("volumes", 2)) return;
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   row("Sections", std::to_string(view.section_count));
-  row("Volume", ml_text(view.volumes.recommended_ml()));
-  if (view.volumes.recommended_ml()) {
-    name_cell("");
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TextWrapped("by %s", kRecommendedMethod);
-    ImGui::PopStyleColor();
-    draw_confidence(session, view);
-  }
+  row("Quadric volume", ml_text(view.volumes.recommended_ml()), "By quadric planimetry: the number to quote");
+  if (view.volumes.recommended_ml()) draw_confidence(session, view, session.active_structure() == index);
   row("Change", change_text(view.volumes, view.volume_before_ml), "By the last action");
   row("Surface", ml_text(view.surface.volume_ml));
   const auto& ellipsoid = ellipsoids_.at(id).volume;
   if (ellipsoid) {
     const Eigen::Vector3d& d = ellipsoid->diameters_mm;
-    row("Ellipsoid", ml_text(ellipsoid->volume_ml),
-        "For comparison: length x width x height x 0.52 along the outlines' own axes");
-    row("", format_rounded(d[0], 1) + " x " + format_rounded(d[1], 1) + " x " + format_rounded(d[2], 1) + " mm");
+    const std::string sides =
+        format_rounded(d[0], 1) + " x " + format_rounded(d[1], 1) + " x " + format_rounded(d[2], 1);
+    const std::string about =
+        sides + " mm x 0.52: length x width x height along the outlines' own axes, for comparison";
+    row("Ellipsoid", ml_text(ellipsoid->volume_ml), about.c_str());
   }
   ImGui::EndTable();
 }
 
 // While an outline moves, what is known is of another state and not shown.
-void MeasurementsPane::draw_confidence(Session& session, const StructureView& view) {
+void MeasurementsPane::draw_confidence(Session& session, const StructureView& view, bool active) {
   name_cell("95 % interval");
   if (!view.confidence_is_current) return ImGui::TextDisabled("...");
   const LiveConfidence& known = view.confidence;
@@ -111,16 +118,16 @@ void MeasurementsPane::draw_confidence(Session& session, const StructureView& vi
   if (known.cancelled) return ImGui::TextDisabled("cancelled");
   if (!known.fault.empty()) return ImGui::TextWrapped("%s", session.text_to_show(known.fault).c_str());
   if (interval) {
-    ImGui::Text("%s to %s ml", format_rounded(interval->low_ml, 2).c_str(),
-                format_rounded(interval->high_ml, 2).c_str());
+    ImGui::Text("%s to %s", format_rounded(interval->low_ml, 2).c_str(), format_rounded(interval->high_ml, 2).c_str());
     ui::tip(parts_text(*interval).c_str());
   } else {
     ImGui::TextDisabled("from four sections on");
   }
+  if (!active) return;
   if (const auto next = next_worth_outlining(known.confidence)) {
     name_cell("Outline next", "The frame whose outline would tell most about the volume");
-    frame_button(session, "outline next", next->frame);
-    ImGui::TextWrapped("surer by about %s ml", format_rounded(next->gain_ml, 2).c_str());
+    frame_button(session, "Frame", "outline next", next->frame);
+    flow(format_rounded(next->gain_ml, 2) + " ml surer");
   }
   int number = 0;
   for (const MissingEnd& end : known.confidence.missing_ends) {

@@ -17,6 +17,6 @@ int main() {
     std::vector<std::string> warnings;
     const auto sections = fathom::cross_sections(structure, locator, &warnings);
     const fathom::VolumeMeasurement result = fathom::measure_planimetry(sections);
-    std::cout << structure.name << ": " << result.volumes.cubic_ml.value() << " ml\n";
+    std::cout << structure.name << ": " << result.volumes.recommended_ml().value() << " ml\n";
   }
 }

@@ -82,8 +82,8 @@ TEST_F(ConfidenceOfADocument, CancelledIsNotStartedAgainUntilTheStructureChanges
 TEST(AreaGraph, DrawsSectionsAtTheirPlaces) {
   const std::vector<SectionRow> rows{{0, 0, 3, 0.0, 0.0}, {0, 0, 5, 4.0, 20.0}, {0, 0, 9, 2.0, 40.0}};
   const std::string svg = area_graph_svg(rows, "#10c020");
-  // Ticks of 5 up to 40 mm over 576 units and of 0.5 up to 4 cm2 over 148 units.
-  EXPECT_NE(svg.find("d=\"M56.0 160.0L344.0 12.0L632.0 86.0\""), std::string::npos) << svg;
+  // Ticks of 5 up to 40 mm over 564 units and of 0.5 up to 4 cm2 over 148 units.
+  EXPECT_NE(svg.find("d=\"M56.0 160.0L338.0 12.0L620.0 86.0\""), std::string::npos) << svg;
   EXPECT_NE(svg.find(">3.5</text>"), std::string::npos) << svg;
   EXPECT_NE(svg.find(">frame 5</title>"), std::string::npos);
   EXPECT_EQ(area_graph_svg({}, "#10c020"), "");

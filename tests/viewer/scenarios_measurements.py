@@ -1,19 +1,14 @@
-#!/usr/bin/env python3
 """What the viewer tells of volumes and makes of them, by mouse and keys on the real window: intervals, where to outline
-next, missing ends, opacity, pictures of panes, simulated sources.
-
-Usage: scenarios_measurements.py FATHOM [SCENARIO...]
-"""
+next, missing ends, opacity, pictures of panes, simulated sources."""
 
 import json
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent.parent / "docs")]
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent / "docs"))
 from small_png import decode  # noqa: E402
-from viewer_driver import DUMP, IDLE, at, picture, run_all  # noqa: E402
-from viewer_exams import Shared, draw, fathom, go_to, structure  # noqa: E402
+from viewer_driver import DUMP, IDLE, at, picture  # noqa: E402
+from viewer_exams import draw, fathom, go_to, structure  # noqa: E402
 
 PANE = "pane:Measurements"
 WINDOW = (1000, 760)
@@ -157,10 +152,11 @@ def picture_of_a_pane_is_written(viewer, shared):
 
 
 def picture_without_names_shows_only_what_is_free_of_them(viewer, shared):
+    window = (860, 620)  # every pixel is looked at
     exam = shared.exam(viewer.folder)
     files = [viewer.folder / f"{name}.png" for name in ("whole", "part", "nothing", "window")]
     part = (130, 180, 60, 60)
-    run = viewer.run(exam, window=WINDOW, events=[
+    run = viewer.run(exam, window=window, events=[
         IDLE, {"key": "O"}, {"wheel": -40, "at": PANE}, {"frames": 3}, {"click": "Exam"}, {"frames": 3},
         {"wheel": -40, "at": PANE}, {"frames": 3}, {"click": "Patient"}, {"text": "Smith"}, {"click": "Add structure"}, IDLE, DUMP,
         *ask_for_picture(files[0], "Review"), *ask_for_picture(files[1], "Review", True, " ".join(map(str, part))),
@@ -195,10 +191,7 @@ def simulated_source_is_listed_and_recorded(viewer, shared):
 
 SCENARIOS = [
     interval_and_missing_ends_are_those_of_measure, click_on_outline_next_goes_to_the_frame_and_outlining_it_gains,
-    interval_is_not_shown_while_an_outline_moves, too_few_sections_have_no_interval, several_sweeps_have_one_interval_between_planes,
-    opacity_is_dragged_undone_and_kept, picture_of_a_pane_is_written,
+    interval_is_not_shown_while_an_outline_moves, too_few_sections_have_no_interval,
+    several_sweeps_have_one_interval_between_planes, opacity_is_dragged_undone_and_kept, picture_of_a_pane_is_written,
     picture_without_names_shows_only_what_is_free_of_them, simulated_source_is_listed_and_recorded,
 ]
-
-if __name__ == "__main__":
-    sys.exit(run_all(SCENARIOS, sys.argv[1], Shared))
