@@ -32,9 +32,13 @@ EdgePreference learn_boundary(const EdgeMap& map, std::span<const Polygon> outli
 /// contour whose best place within reach is found at once (dynamic programming over shifts across the line), so that it
 /// is not caught by speckle. It stays where no boundary is in reach, and where the image is the same all over.
 ///
+/// `beside` are outlines of other structures on the frame: none is moved beyond the middle between the two, and where
+/// they touch or cross, lines stay as they are.
+///
 /// Points come to lie about 2 pixels apart. Outlines neither cross themselves nor each other afterwards, if they did
 /// not before. Throws Error as RefineOptions::check.
 std::vector<Polygon> refine_outlines(const EdgeMap& map, std::span<const Polygon> outlines,
-                                     const EdgePreference& boundary, const RefineOptions& options = {});
+                                     const EdgePreference& boundary, const RefineOptions& options = {},
+                                     std::span<const Polygon> beside = {});
 
 }  // namespace fathom

@@ -137,7 +137,7 @@ void RegionOptions::check() const {
   if (!(neck_px >= 0.0 && neck_px <= 200.0)) throw Error("region: the neck must be from 0 to 200 pixels");
   if (!(fill_holes_px >= 0.0) || !std::isfinite(fill_holes_px)) throw Error("region: areas must not be negative");
   if ((low && !std::isfinite(*low)) || (high && !std::isfinite(*high)) || (low && high && !(*low <= *high))) {
-    throw Error("region: the range must be finite, the lower value first");
+    throw Error("region: the range is not finite or upside down; give finite values, the lower one first");
   }
 }
 
