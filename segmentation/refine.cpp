@@ -18,13 +18,13 @@ namespace {
 constexpr double kMostReach_px = 100.0;
 constexpr double kMostStiffness = 100.0;
 constexpr double kSpacing_px = 2.0;
-constexpr int kLeastPoints = 16;           // even the smallest outline keeps its shape
-constexpr double kStep_px = 0.5;           // between the shifts that are tried
-constexpr double kStay = 0.25;             // what a shift by the whole reach costs, against 1 for an edge that fits
-constexpr double kBend = 0.5;              // what a change of shift by the points' distance costs
-constexpr double kOfFreeRoom = 0.9;        // of the room up to the middle between two parts of the outlines
-constexpr double kTouching_px = 0.5;       // outlines of different structures so near to each other touch
-constexpr double kBesideSpacing_px = 0.5;  // between the points that stand for other structures' outlines
+constexpr int kLeastPoints = 16;  // even the smallest outline keeps its shape
+constexpr double kStep_px = 0.5;  // between the shifts that are tried
+constexpr double kStay = 0.25;    // what a shift by the whole reach costs, against 1 for an edge that fits
+constexpr double kBend = 0.33;  // what a change of shift by the points' distance costs, by the cube of the edges' scale
+constexpr double kOfFreeRoom = 0.9;                    // of the room up to the middle between two parts of the outlines
+constexpr double kTouching_px = 0.5;                   // outlines of different structures so near to each other touch
+constexpr double kBesideSpacing_px = 0.5;              // between the points that stand for other structures' outlines
 constexpr std::array<double, 2> kShares = {1.0, 0.4};  // of the reach, in two rounds
 constexpr int kFlank = 4;                              // steps to either side in which an edge must be the strongest
 constexpr double kNoise = 1.5;                         // standard deviations: speckle alone makes edges so strong
@@ -109,7 +109,7 @@ Polygon moved(const EdgeMap& map, const Surroundings& around, const Polygon& out
     }
   }
   const double spacing = perimeter(outline) / static_cast<double>(count);
-  const double bend = (0.02 + kBend * options.stiffness) * std::pow(kStep_px / spacing, 2);
+  const double bend = (0.02 + kBend * std::pow(map.scale_px, 3) * options.stiffness) * std::pow(kStep_px / spacing, 2);
   const std::vector<int> shifts = best_shifts(costs, bend);
   Polygon result = outline;
   for (std::size_t i = 0; i < count; ++i) result[i] += shifts[i] * kStep_px * sides[i];

@@ -12,8 +12,10 @@ namespace fathom {
 /// How far a drawn contour is moved to the boundary beside it.
 struct RefineOptions {
   EdgeMapOptions edges;
-  double reach_px = 8.0;   ///< no point moves farther
-  double stiffness = 1.0;  ///< how much the line resists to bend away from what was drawn; 0: follows every edge
+  double reach_px = 8.0;  ///< no point moves farther
+  /// How much the line resists to bend away from what was drawn; 0: follows every edge. Counts for the cube of the
+  /// edges' scale: coarse speckle shows false edges, which only a stiff line passes by.
+  double stiffness = 1.0;
   bool keep_place =
       false;  ///< stay as far beside the steepest place as the drawn contours are on average; else go there
   /// Throws Error as EdgeMapOptions::check, or when a value is out of range.
