@@ -113,7 +113,9 @@ cv::Mat grow(const cv::Mat& smooth, const std::vector<cv::Point>& seeds, const R
     range = learnt_range(smooth, region, options);
     cv::Mat next = region_in(smooth, range, seeds, options.neck_px);
     if (cv::countNonZero(next) == 0) {
-      throw Error("region: the grey values at the seeds are out of the range; widen it or move the seeds");
+      throw Error(
+          "region: the grey values at the seeds are out of the range; widen it, smooth the image more or move the "
+          "seeds");
     }
     const bool same = cv::countNonZero(next != region) == 0;
     region = std::move(next);
