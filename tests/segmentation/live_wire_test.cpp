@@ -53,7 +53,7 @@ TEST(LiveWire, FollowsAnEdgeThroughSpeckle) {
 }
 
 TEST(LiveWire, GoesRoundWhereNothingIsSeenOfTheOutline) {
-  // The border fades over 60 pixels of the circle, of which the chord passes 10 pixels inside.
+  // Over 60 pixels of the circle, of which the chord passes 10 pixels inside, the border fades into the speckle.
   cv::Mat clean(140, 160, CV_32F, cv::Scalar(120.0));
   draw_disc(clean, kCentre, kRadius, 60.0);
   cv::Mat faded;
@@ -62,12 +62,12 @@ TEST(LiveWire, GoesRoundWhereNothingIsSeenOfTheOutline) {
   const std::vector<cv::Point> sector = {{80, 71}, {155, 36}, {155, 106}};
   cv::fillConvexPoly(mask, sector, cv::Scalar(255));
   faded.copyTo(clean, mask);
-  LiveWire wire(speckled(clean, 5.0, 1));
+  LiveWire wire(speckled(clean, 25.0, 1));
   for (const double angle : {1.2, 3.1, 5.0}) {
     wire.add_seed(kCentre + kRadius * Vector2d(std::cos(angle), std::sin(angle)));
   }
   wire.close();
-  EXPECT_LT(farthest_from_circle(wire.line()), 3.0);
+  EXPECT_LT(farthest_from_circle(wire.line()), 5.0) << "half as far as the chord, at most";
 }
 
 TEST(LiveWire, LargeImagesAreSearchedCoarselyAndStillFollowedFinely) {
