@@ -14,6 +14,7 @@
 #include "exam/contact_sheet.h"
 #include "exam/report_picture.h"
 #include "registration/find_sweeps.h"
+#include "segmentation/outline_topology.h"
 
 namespace fathom {
 
@@ -106,6 +107,7 @@ void run(PropagateCommand& command) {
   const std::string file = contours_file(command.input, exam);
   const std::vector<Structure> structures = read_contours(file);
   require_measurable(structures, recording->header().frame_count(), file);
+  require_enclosing_outlines(structures, file);
   if (!command.structure.empty()) command.propagate.structure = command.structure;
   const Placed where = placed(command, exam, *recording);
   const Propagation result = propagate(*recording, structures, where.locator ? &*where.locator : nullptr, where.sweeps,

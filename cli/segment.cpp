@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -10,6 +9,7 @@
 #include "cli/options.h"
 #include "cli/output.h"
 #include "cli/scan_input.h"
+#include "cli/seed_input.h"
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "exam/contact_sheet.h"
@@ -27,8 +27,7 @@ struct SegmentCommand {
   std::string method = "threshold";
   std::string out;
   std::string picture;
-  std::string seeds_file;
-  std::vector<std::vector<double>> typed_seeds;  // frame, x, y
+  SeedInput seeds;
   ThresholdRecordingOptions threshold;
   LiveWireOptions live_wire;
   RegionOptions region;
@@ -46,23 +45,6 @@ struct Source {
   int index = 0;
   const Progress& progress;
 };
-
-std::vector<FrameSeeds> seeds_of(const SegmentCommand& command) {
-  std::vector<FrameSeeds> seeds;
-  if (!command.seeds_file.empty()) seeds = read_seeds(command.seeds_file);
-  std::map<int, FrameSeeds> typed;
-  for (const std::vector<double>& numbers : command.typed_seeds) {
-    if (numbers[0] < 0.0 || numbers[0] > 1e9 || numbers[0] != std::floor(numbers[0])) {
-      throw CLI::ValidationError("--seed", "the first number is a frame, from 0");
-    }
-    FrameSeeds& frame = typed[static_cast<int>(numbers[0])];
-    frame.frame = static_cast<int>(numbers[0]);
-    frame.points_px.emplace_back(numbers[1], numbers[2]);
-  }
-  for (auto& [frame, one] : typed) seeds.push_back(std::move(one));
-  if (seeds.empty()) throw CLI::RequiredError("--seed or --seeds");
-  return seeds;
-}
 
 void add_contours_of(std::vector<Contour> contours, Structure& structure) {
   structure.contours.insert(structure.contours.end(), contours.begin(), contours.end());
@@ -82,23 +64,23 @@ void by_threshold(const SegmentCommand& command, const Source& source, std::vect
 void by_live_wire(const SegmentCommand& command, const Source& source, std::vector<Structure>& structures) {
   LiveWireOptions options = command.live_wire;
   options.edges = command.edges;
-  add_contours_of(outline_by_seeds(source.recording, source.index, seeds_of(command), options, source.progress),
+  add_contours_of(outline_by_seeds(source.recording, source.index, command.seeds.read(), options, source.progress),
                   structures.front());
 }
 
 void by_region(const SegmentCommand& command, const Source& source, std::vector<Structure>& structures) {
   RegionOptions options = command.region;
   if (command.smooth_image_px >= 0.0) options.smoothing_px = command.smooth_image_px;
-  add_contours_of(outline_regions(source.recording, source.index, seeds_of(command), options, source.progress),
+  add_contours_of(outline_regions(source.recording, source.index, command.seeds.read(), options, source.progress),
                   structures.front());
 }
 
 void by_refinement(const SegmentCommand& command, const Source& source, std::vector<Structure>& structures) {
   RefineOptions options = command.refine;
   options.edges = command.edges;
-  for (Structure& structure : structures) {
-    if (!command.all_structures && structure.name != command.threshold.structure) continue;
-    refine_structure(source.recording, source.index, options, structure, source.progress);
+  for (std::size_t i = 0; i < structures.size(); ++i) {
+    if (!command.all_structures && structures[i].name != command.threshold.structure) continue;
+    refine_structure(source.recording, source.index, options, structures, i, source.progress);
   }
 }
 
@@ -109,7 +91,8 @@ const std::map<std::string, Method>& methods() {
 }
 
 // Of a contours file where drawn contours are worked on; else one without contours yet.
-std::vector<Structure> structures_to_start_with(const SegmentCommand& command, const std::optional<Exam>& exam) {
+std::vector<Structure> structures_to_start_with(const SegmentCommand& command, const std::optional<Exam>& exam,
+                                                const std::vector<int>& frame_counts) {
   if (command.method != "refine") {
     Structure structure;
     structure.name = command.threshold.structure;
@@ -117,20 +100,13 @@ std::vector<Structure> structures_to_start_with(const SegmentCommand& command, c
   }
   const std::string file = contours_file(command.input, exam);
   std::vector<Structure> structures = read_contours(file);
-  require_simple_outlines(structures, file);
+  require_measurable(structures, frame_counts, OpenContours::kAllow, file);
+  require_enclosing_outlines(structures, file);
   const bool found = std::any_of(structures.begin(), structures.end(), [&](const Structure& structure) {
     return command.all_structures || structure.name == command.threshold.structure;
   });
   if (!found) throw Error(file + ": has no structure " + command.threshold.structure + "; name one that it has");
   return structures;
-}
-
-void require_recordings(const std::vector<FrameSeeds>& seeds, std::size_t count) {
-  for (const FrameSeeds& one : seeds) {
-    if (static_cast<std::size_t>(one.recording) < count) continue;
-    throw Error("seeds: stand on recording " + std::to_string(one.recording) + ", but there are only " +
-                std::to_string(count) + "; recordings count from 0");
-  }
 }
 
 std::vector<Structure> outline(const SegmentCommand& command) {
@@ -141,11 +117,16 @@ std::vector<Structure> outline(const SegmentCommand& command) {
     files.clear();
     for (const std::string& name : exam->recordings) files.push_back(file_of(*exam, name).string());
   }
-  if (command.method == "live-wire" || command.method == "region") require_recordings(seeds_of(command), files.size());
-  std::vector<Structure> structures = structures_to_start_with(command, exam);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const auto recording = open_recording(files[i]);
-    methods().at(command.method)(command, {*recording, static_cast<int>(i), progress}, structures);
+  if (command.method == "live-wire" || command.method == "region") command.seeds.require_recordings(files.size());
+  std::vector<std::unique_ptr<Recording>> recordings;
+  std::vector<int> frame_counts;
+  for (const std::string& file : files) {
+    recordings.push_back(open_recording(file));
+    frame_counts.push_back(recordings.back()->header().frame_count());
+  }
+  std::vector<Structure> structures = structures_to_start_with(command, exam, frame_counts);
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    methods().at(command.method)(command, {*recordings[i], static_cast<int>(i), progress}, structures);
   }
   for (Structure& structure : structures) finish(command.finish, structure);
   return structures;
@@ -209,10 +190,7 @@ void add_threshold_options(CLI::App& command, ThresholdRecordingOptions& options
 
 void add_seed_options(CLI::App& command, SegmentCommand& options) {
   const char* group = "live-wire and region";
-  add_number_lists(command, "--seed", options.typed_seeds, 3, "frame,x,y",
-                   "A point on the outline, in order (live-wire), or inside (region), in pixels")
-      ->group(group);
-  command.add_option("--seeds", options.seeds_file, "A file of seeds")->group(group);
+  add_seeds(command, options.seeds, group);
   command.add_flag("!--no-training", options.live_wire.train, "Take all edges alike, whatever the seeds show")
       ->group("live-wire");
   RegionOptions& region = options.region;

@@ -75,6 +75,19 @@ bool all_closed(const std::vector<Contour>& contours) {
   return std::all_of(contours.begin(), contours.end(), [](const Contour& contour) { return contour.closed; });
 }
 
+// The closed outlines of all structures but one on a frame.
+std::vector<Polygon> outlines_of_others(const std::vector<Structure>& structures, std::size_t which,
+                                        const FrameKey& frame) {
+  std::vector<Polygon> outlines;
+  for (std::size_t i = 0; i < structures.size(); ++i) {
+    if (i == which) continue;
+    for (const Contour& contour : structures[i].contours) {
+      if (FrameKey{contour.recording, contour.frame} == frame && contour.closed) outlines.push_back(contour.points_px);
+    }
+  }
+  return outlines;
+}
+
 using Entries = std::vector<const FrameSeeds*>;
 
 // The outlines that `outline` finds on every frame with seeds.
@@ -123,11 +136,12 @@ std::vector<Contour> outline_regions(const Recording& from, int recording, const
   });
 }
 
-void refine_structure(const Recording& from, int recording, const RefineOptions& options, Structure& structure,
-                      const Progress& progress) {
+void refine_structure(const Recording& from, int recording, const RefineOptions& options,
+                      std::vector<Structure>& structures, std::size_t which, const Progress& progress) {
   options.check();
   require_images(from);
   const RecordingHeader& header = from.header();
+  Structure& structure = structures[which];
   std::map<FrameKey, std::vector<Contour>> frames = grouped(structure.contours);
   std::vector<FrameKey> moved;
   for (const auto& [key, contours] : frames) {
@@ -156,7 +170,7 @@ void refine_structure(const Recording& from, int recording, const RefineOptions&
            on_frame(from, key.second,
                     [&] {
                       return refine_outlines(edge_map(from.image(key.second), options.edges), polygons_of(frames[key]),
-                                             boundary, options);
+                                             boundary, options, outlines_of_others(structures, which, key));
                     }),
            key.second, recording);
     frames[key] = std::move(contours);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,11 @@ std::vector<Contour> outline_by_seeds(const Recording& from, int recording, cons
 std::vector<Contour> outline_regions(const Recording& from, int recording, const std::vector<FrameSeeds>& seeds,
                                      const RegionOptions& options, const Progress& progress = {});
 
-/// Moves the closed contours of a structure to the boundary; what that looks like is learnt from all of them together.
-/// Frames whose image is marked as invalid keep theirs. Confidences are dropped: a moved contour is another one.
-void refine_structure(const Recording& from, int recording, const RefineOptions& options, Structure& structure,
-                      const Progress& progress = {});
+/// Moves the closed contours of one of the structures to the boundary, not into the others; what the boundary looks
+/// like is learnt from all contours of the structure together. Frames whose image is marked as invalid keep theirs.
+/// Confidences are dropped: a moved contour is another one.
+void refine_structure(const Recording& from, int recording, const RefineOptions& options,
+                      std::vector<Structure>& structures, std::size_t which, const Progress& progress = {});
 
 /// How outlines are finished, whichever way they were made.
 struct FinishOptions {

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kTrainingPoints = 200;  // the latest: an outline may change its kind of edge on the way
 constexpr double kSamePlace = 0.5;            // pixels: two seeds nearer than that are a double click
 constexpr double kLeastArea = 1.0;            // square pixels
-constexpr double kSearchScale = 2.0;          // of the scale that the line is placed by
+constexpr double kSearchScale = 3.0;          // of the scale that the line is placed by
 constexpr double kMostNodes = 120000.0;       // are searched within a few milliseconds
 
 std::span<const Eigen::Vector2d> latest(const Polygon& line) {
@@ -88,12 +88,14 @@ Polygon LiveWire::line() const { return state_.closed ? without_loops(open_line(
 void LiveWire::learn_place_of_line(const Polygon& line) {
   preference_ = learn_edges(edges_, latest(line), false);
   Polygon along;
+  Polygon edges;  // where the map should have the edges that the seeds are on
   std::size_t at = 0;
   for (std::size_t i = 0; i < state_.seeds.size(); ++i) {
     along.push_back(direction_at(line, at));
+    edges.push_back(state_.seeds[i] + smoothed_aside_px(edges_, line, at) * right_of(along.back()));
     if (i < state_.pieces.size()) at += state_.pieces[i].size() - 1;
   }
-  preference_.beside_px = learn_place(edges_, preference_, state_.seeds, along);
+  preference_.beside_px = learn_place(edges_, preference_, edges, along);
 }
 
 void LiveWire::prepare_search() {
@@ -122,7 +124,10 @@ Polygon LiveWire::wire_between(const Eigen::Vector2d& to) {
   for (const cv::Point& node : search_.path_to(node_at(to))) path.push_back(place_of(node));
   // With the first seed only, what the wire follows is all there is to learn from.
   if (options_.train && state_.pieces.empty()) learn_place_of_line(path);
-  return wire_line(edges_, preference_, path, factor_, from, to);
+  const Polygon drawn = open_line();
+  WireEnds ends{from, to, std::span(drawn).first(drawn.size() - 1), {}};
+  if (to == state_.seeds.front()) ends.behind = std::span(drawn).subspan(1);
+  return wire_line(edges_, preference_, path, factor_, ends);
 }
 
 void LiveWire::add_seed(const Eigen::Vector2d& point_px) {

@@ -25,9 +25,9 @@ struct LiveWireOptions {
 /// Outlining by seeds: between them the line follows the edges of one image by itself (Mortensen and Barrett 1998).
 /// Points are in pixels and may lie between them; so do the points of the line. Every change can be undone.
 ///
-/// Edges twice as coarse as asked for are searched, since where an edge leads is seen from afar, and large images on a
-/// coarser lattice, so that a line to anywhere takes no longer than a display frame. The line is then put where the
-/// edge is in the image itself.
+/// Edges three times as coarse as asked for are searched, since where an edge leads is seen from afar, and large images
+/// on a coarser lattice, so that a line to anywhere takes no longer than a display frame. The line is then put where
+/// the edge is in the image itself.
 ///
 /// A viewer calls `add_seed` on a click, `wire_to` while the pointer moves, `reseed` on a click near the drawn part,
 /// `close` on a double click and `undo` on a key.

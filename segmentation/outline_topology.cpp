@@ -1,6 +1,7 @@
 #include "segmentation/outline_topology.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include "segmentation/box_columns.h"
 #include "segmentation/outline_crossing.h"
 #include "segmentation/outline_edges.h"
+#include "segmentation/outline_loops.h"
 
 namespace fathom {
 
@@ -24,6 +26,8 @@ constexpr std::int64_t kMostComparisons = 20'000'000;
 
 // The same for comparisons of outlines with edges, which take less.
 constexpr std::int64_t kMostNestingComparisons = 200'000'000;
+
+constexpr double kLeastArea_px = 1e-6;  // in square pixels: what rounding leaves of points on one line
 
 constexpr const char* kTangled = "is too tangled to check";
 
@@ -249,6 +253,17 @@ void require_simple_outlines(const std::vector<Structure>& structures, const std
       }
     }
   }
+}
+
+void require_enclosing_outlines(const std::vector<Structure>& structures, const std::string& file) {
+  for (const Structure& structure : structures) {
+    for (const Contour& contour : structure.contours) {
+      if (!contour.closed || std::abs(signed_area(contour.points_px)) >= kLeastArea_px) continue;
+      throw Error(file + ": structure " + structure.name + ", frame " + std::to_string(contour.frame) +
+                  ": an outline encloses nothing; draw it again, or mark the frame as an extremity");
+    }
+  }
+  require_simple_outlines(structures, file);
 }
 
 }  // namespace fathom

@@ -33,4 +33,7 @@ std::optional<std::string> outline_fault(std::span<const Polygon> outlines);
 /// Throws Error, naming `file`, structure and frame, when closed contours on one frame have an `outline_fault`.
 void require_simple_outlines(const std::vector<Structure>& structures, const std::string& file);
 
+/// The same, and when a closed contour encloses no area at all, as points on one line do: nothing can be made of it.
+void require_enclosing_outlines(const std::vector<Structure>& structures, const std::string& file);
+
 }  // namespace fathom

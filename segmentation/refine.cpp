@@ -18,29 +18,42 @@ namespace {
 constexpr double kMostReach_px = 100.0;
 constexpr double kMostStiffness = 100.0;
 constexpr double kSpacing_px = 2.0;
-constexpr int kLeastPoints = 16;     // even the smallest outline keeps its shape
-constexpr double kStep_px = 0.5;     // between the shifts that are tried
-constexpr double kStay = 0.25;       // what a shift by the whole reach costs, against 1 for an edge that fits
-constexpr double kBend = 0.5;        // what a change of shift by the points' distance costs
-constexpr double kOfFreeRoom = 0.9;  // of the room up to the middle between two parts of the outlines
+constexpr int kLeastPoints = 16;  // even the smallest outline keeps its shape
+constexpr double kStep_px = 0.5;  // between the shifts that are tried
+constexpr double kStay = 0.25;    // what a shift by the whole reach costs, against 1 for an edge that fits
+constexpr double kBend = 0.33;  // what a change of shift by the points' distance costs, by the cube of the edges' scale
+constexpr double kOfFreeRoom = 0.9;                    // of the room up to the middle between two parts of the outlines
+constexpr double kTouching_px = 0.5;                   // outlines of different structures so near to each other touch
+constexpr double kBesideSpacing_px = 0.5;              // between the points that stand for other structures' outlines
 constexpr std::array<double, 2> kShares = {1.0, 0.4};  // of the reach, in two rounds
 constexpr int kFlank = 4;                              // steps to either side in which an edge must be the strongest
 constexpr double kNoise = 1.5;                         // standard deviations: speckle alone makes edges so strong
 constexpr int kTopOnly = 4;                            // power of its share of that
 constexpr int kSmoothing = 2;
 
+// What a line may not be moved into: the outlines of its own structure and those of others.
+struct Surroundings {
+  const std::vector<Polygon>& own;
+  const std::vector<Polygon>& beside;
+};
+
 // How far a point may move to its right (side 1) or left (-1) before it comes to the middle between this place and
 // another of the outlines: the smallest ball that touches the line here and has another point on it.
-double free_room(const std::vector<Polygon>& all, const Eigen::Vector2d& point, const Eigen::Vector2d& normal,
+double free_room(const Surroundings& around, const Eigen::Vector2d& point, const Eigen::Vector2d& normal,
                  double reach_px) {
   double room = reach_px / kOfFreeRoom;
-  for (const Polygon& outline : all) {
-    for (const Eigen::Vector2d& other : outline) {
-      const Eigen::Vector2d to = other - point;
-      const double beside = to.dot(normal);
-      if (beside > 0.0) room = std::min(room, 0.5 * to.squaredNorm() / beside);
+  const auto limit = [&](const std::vector<Polygon>& outlines, double touching_px) {
+    for (const Polygon& outline : outlines) {
+      for (const Eigen::Vector2d& other : outline) {
+        const Eigen::Vector2d to = other - point;
+        const double beside = to.dot(normal);
+        if (to.squaredNorm() < touching_px * touching_px) room = 0.0;
+        if (beside > 0.0) room = std::min(room, 0.5 * to.squaredNorm() / beside);
+      }
     }
-  }
+  };
+  limit(around.own, 0.0);
+  limit(around.beside, kTouching_px);
   return kOfFreeRoom * room;
 }
 
@@ -71,7 +84,7 @@ std::vector<double> misfits(const EdgeMap& map, const EdgePreference& boundary, 
 }
 
 // One round: every point of one outline shifted across it, not farther than the reach from where it was `drawn`.
-Polygon moved(const EdgeMap& map, const std::vector<Polygon>& all, const Polygon& outline, const Polygon& drawn,
+Polygon moved(const EdgeMap& map, const Surroundings& around, const Polygon& outline, const Polygon& drawn,
               const EdgePreference& boundary, double reach_px, const RefineOptions& options) {
   const std::size_t count = outline.size();
   const int steps = static_cast<int>(std::floor(reach_px / kStep_px));
@@ -83,8 +96,8 @@ Polygon moved(const EdgeMap& map, const std::vector<Polygon>& all, const Polygon
     const Eigen::Vector2d along = (outline[(i + 2) % count] - outline[(i + count - 2) % count]).normalized();
     const Eigen::Vector2d side = right_of(along);
     sides.push_back(side);
-    const double right = free_room(all, outline[i], side, reach_px);
-    const double left = free_room(all, outline[i], -side, reach_px);
+    const double right = free_room(around, outline[i], side, reach_px);
+    const double left = free_room(around, outline[i], -side, reach_px);
     const std::vector<double> misfit = misfits(map, boundary, outline[i] - beside * side, along, steps);
     for (int step = -steps; step <= steps; ++step) {
       const double shift = step * kStep_px;
@@ -96,7 +109,7 @@ Polygon moved(const EdgeMap& map, const std::vector<Polygon>& all, const Polygon
     }
   }
   const double spacing = perimeter(outline) / static_cast<double>(count);
-  const double bend = (0.02 + kBend * options.stiffness) * std::pow(kStep_px / spacing, 2);
+  const double bend = (0.02 + kBend * std::pow(map.scale_px, 3) * options.stiffness) * std::pow(kStep_px / spacing, 2);
   const std::vector<int> shifts = best_shifts(costs, bend);
   Polygon result = outline;
   for (std::size_t i = 0; i < count; ++i) result[i] += shifts[i] * kStep_px * sides[i];
@@ -152,7 +165,8 @@ EdgePreference learn_boundary(const EdgeMap& map, std::span<const Polygon> outli
 }
 
 std::vector<Polygon> refine_outlines(const EdgeMap& map, std::span<const Polygon> outlines,
-                                     const EdgePreference& boundary, const RefineOptions& options) {
+                                     const EdgePreference& boundary, const RefineOptions& options,
+                                     std::span<const Polygon> beside) {
   options.check();
   const std::vector<Polygon> drawn(outlines.begin(), outlines.end());
   if (map.flat || outline_fault(drawn)) return drawn;
@@ -162,10 +176,12 @@ std::vector<Polygon> refine_outlines(const EdgeMap& map, std::span<const Polygon
   }
   if (outline_fault(now)) return drawn;
   const std::vector<Polygon> start = now;
+  std::vector<Polygon> others;
+  for (const Polygon& other : beside) others.push_back(resampled(other, kBesideSpacing_px, kLeastPoints));
   for (const double share : kShares) {
     std::vector<Polygon> wanted;
     for (std::size_t k = 0; k < now.size(); ++k) {
-      wanted.push_back(moved(map, now, now[k], start[k], boundary, share * options.reach_px, options));
+      wanted.push_back(moved(map, {now, others}, now[k], start[k], boundary, share * options.reach_px, options));
     }
     now = as_far_as_simple(now, wanted);
   }

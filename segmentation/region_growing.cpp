@@ -113,7 +113,9 @@ cv::Mat grow(const cv::Mat& smooth, const std::vector<cv::Point>& seeds, const R
     range = learnt_range(smooth, region, options);
     cv::Mat next = region_in(smooth, range, seeds, options.neck_px);
     if (cv::countNonZero(next) == 0) {
-      throw Error("region: the grey values at the seeds are out of the range; widen it or move the seeds");
+      throw Error(
+          "region: the grey values at the seeds are out of the range; widen it, smooth the image more or move the "
+          "seeds");
     }
     const bool same = cv::countNonZero(next != region) == 0;
     region = std::move(next);
@@ -137,7 +139,7 @@ void RegionOptions::check() const {
   if (!(neck_px >= 0.0 && neck_px <= 200.0)) throw Error("region: the neck must be from 0 to 200 pixels");
   if (!(fill_holes_px >= 0.0) || !std::isfinite(fill_holes_px)) throw Error("region: areas must not be negative");
   if ((low && !std::isfinite(*low)) || (high && !std::isfinite(*high)) || (low && high && !(*low <= *high))) {
-    throw Error("region: the range must be finite, the lower value first");
+    throw Error("region: the range is not finite or upside down; give finite values, the lower one first");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "segmentation/outline_loops.h"
@@ -49,6 +50,24 @@ TEST(LiveWire, FollowsAnEdgeThroughSpeckle) {
     outline_disc(wire, 4);
     EXPECT_GT(dice(std::vector<Polygon>{wire.line()}, std::vector<Polygon>{circle(kCentre, kRadius, 400)}), 0.97);
   }
+}
+
+TEST(LiveWire, GoesRoundWhereNothingIsSeenOfTheOutline) {
+  // Over 60 pixels of the circle, of which the chord passes 10 pixels inside, the border fades into the speckle.
+  cv::Mat clean(140, 160, CV_32F, cv::Scalar(120.0));
+  draw_disc(clean, kCentre, kRadius, 60.0);
+  cv::Mat faded;
+  cv::GaussianBlur(clean, faded, {}, 15.0);
+  cv::Mat mask = cv::Mat::zeros(clean.size(), CV_8U);
+  const std::vector<cv::Point> sector = {{80, 71}, {155, 36}, {155, 106}};
+  cv::fillConvexPoly(mask, sector, cv::Scalar(255));
+  faded.copyTo(clean, mask);
+  LiveWire wire(speckled(clean, 25.0, 1));
+  for (const double angle : {1.2, 3.1, 5.0}) {
+    wire.add_seed(kCentre + kRadius * Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  wire.close();
+  EXPECT_LT(farthest_from_circle(wire.line()), 5.0) << "half as far as the chord, at most";
 }
 
 TEST(LiveWire, LargeImagesAreSearchedCoarselyAndStillFollowedFinely) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "segmentation/best_shifts.h"
@@ -40,6 +41,48 @@ TEST(RefineOutlines, MovesToTheBoundaryFromBothSidesInDarkAndInBright) {
       EXPECT_GT(dice(refined(image, {circle(kCentre + Vector2d(1, -1), radius, 60)}), right), 0.985) << radius;
     }
   }
+}
+
+TEST(RefineOutlines, ThreePixelsOffComeNearerThroughCoarseSpeckle) {
+  // Grains as large as the error, as strong as the contrast.
+  double off = 0.0;
+  int outlines = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    cv::Mat clean(240, 320, CV_32F, cv::Scalar(125.0));
+    draw_disc(clean, {160.0, 120.0}, 80.0, 100.0);
+    cv::Mat noise = speckled(cv::Mat(80, 107, CV_32F, cv::Scalar(125.0)), 20.0, seed);
+    cv::resize(noise, noise, clean.size(), 0.0, 0.0, cv::INTER_CUBIC);
+    cv::Mat image;
+    noise.convertTo(image, CV_32F, 1.0, -125.0);
+    image += clean;
+    for (const double radius : {77.0, 83.0}) {
+      double sum = 0.0;
+      const std::vector<Polygon> line = refined(image, {circle({160.0, 120.0}, radius, 250)});
+      for (const Vector2d& point : line[0]) sum += std::abs((point - Vector2d(160.0, 120.0)).norm() - 80.0);
+      off += sum / static_cast<double>(line[0].size());
+      ++outlines;
+    }
+  }
+  EXPECT_LT(off / outlines, 0.67 * 3.0);
+}
+
+TEST(RefineOutlines, OtherStructuresAreNotGrownInto) {
+  // Drawn side by side, though the edge is 4 pixels inside of the one on the right.
+  const cv::Mat image = disc_image(125.0, 60.0, 10.0);
+  const std::vector<Polygon> left = {{{50, 40}, {116, 40}, {116, 100}, {50, 100}}};
+  const std::vector<Polygon> right = {{{116.3, 40}, {150, 40}, {150, 100}, {116.3, 100}}};
+  const EdgeMap map = edge_map(image);
+  const EdgePreference boundary = learn_boundary(map, left, {});
+  const auto farthest_right = [](const std::vector<Polygon>& outlines) {
+    double farthest = 0.0;
+    for (const Vector2d& point : outlines[0]) {
+      if (point.y() > 50.0 && point.y() < 90.0) farthest = std::max(farthest, point.x());
+    }
+    return farthest;
+  };
+  EXPECT_GT(farthest_right(refine_outlines(map, left, boundary, {})), 118.0)
+      << "the edge of the disc is to be found there";
+  EXPECT_LT(farthest_right(refine_outlines(map, left, boundary, {}, right)), 116.3);
 }
 
 TEST(RefineOutlines, OfTwoBoundariesTakesTheOneThatLooksAsTheDrawnOnesShow) {
