@@ -55,19 +55,66 @@ StackFrame stack_frame(const Recording& recording, int frame, const PixelGrid& g
   return result;
 }
 
-std::optional<SectionGap> gap_between(const DrawnSection* a, const DrawnSection* b) {
-  if (a == nullptr || b == nullptr) return std::nullopt;
-  return SectionGap({a->place.plane, a->shape}, {b->place.plane, b->shape}, Guide::kDiscs);
-}
+/// What leads from one drawn section to the next.
+class Crossing {
+ public:
+  /// `before` and `after` lie beyond them, the nearest first. At least one section has an area.
+  Crossing(const DrawnSection& first, const DrawnSection& second, std::span<const DrawnSection* const> before,
+           std::span<const DrawnSection* const> after, bool round_ends)
+      : gap_(gap_between(first, second)) {
+    if (!before.empty()) gap_before_.emplace(gap_between(*before.front(), first));
+    if (!after.empty()) gap_after_.emplace(gap_between(second, *after.front()));
+    curved_.emplace(gap_, gap_before_ ? &*gap_before_ : nullptr, gap_after_ ? &*gap_after_ : nullptr);
+    if (!round_ends) return;
+    if (first.outlines_px.empty()) end_ = tapered(first, second, after);
+    if (second.outlines_px.empty()) end_ = tapered(second, first, before);
+  }
+  Crossing(const Crossing&) = delete;
+  Crossing& operator=(const Crossing&) = delete;
+
+  PredictedOutline predict(const CarriedPlane& place, const PixelGrid& grid) const {
+    return predict_outline(gap_, *curved_, end_ ? &*end_ : nullptr, place, grid);
+  }
+
+ private:
+  static SectionGap gap_between(const DrawnSection& a, const DrawnSection& b) {
+    return {{a.place.plane, a.shape}, {b.place.plane, b.shape}, Guide::kDiscs};
+  }
+
+  static TaperedEnd tapered(const DrawnSection& end, const DrawnSection& nearest,
+                            std::span<const DrawnSection* const> farther) {
+    std::vector<PlacedSection> sections = {{nearest.place.plane, nearest.shape}};
+    for (const DrawnSection* section : farther) {
+      if (section->outlines_px.empty()) break;
+      sections.push_back({section->place.plane, section->shape});
+    }
+    return {{end.place.plane, end.shape}, sections};
+  }
+
+  SectionGap gap_;
+  std::optional<SectionGap> gap_before_;
+  std::optional<SectionGap> gap_after_;
+  std::optional<CurvedGap> curved_;
+  std::optional<TaperedEnd> end_;
+};
 
 /// By how much the sections on either side of a drawn one mispredict it, along its outline; empty where one is missing.
-std::optional<cv::Mat> misfit(const DrawnSection* before, const DrawnSection& drawn, const DrawnSection* after,
-                              const cv::Mat& distance, const PixelGrid& grid) {
-  const std::optional<SectionGap> gap = gap_between(before, after);
-  const bool areas = gap && !(before->outlines_px.empty() && after->outlines_px.empty());
-  if (!areas || drawn.outlines_px.empty()) return std::nullopt;
-  const PredictedOutline predicted = predict_outline(*gap, CurvedGap(*gap, nullptr, nullptr), drawn.place, grid);
-  return along_outline(cv::abs(predicted.distance - distance), distance);
+std::optional<cv::Mat> misfit(std::span<const DrawnSection* const> before, const DrawnSection& drawn,
+                              std::span<const DrawnSection* const> after, const cv::Mat& distance,
+                              const PixelGrid& grid, bool round_ends) {
+  if (before.empty() || after.empty() || drawn.outlines_px.empty()) return std::nullopt;
+  const DrawnSection& first = *before.front();
+  const DrawnSection& second = *after.front();
+  if (first.outlines_px.empty() && second.outlines_px.empty()) return std::nullopt;
+  const Crossing crossing(first, second, before.subspan(1), after.subspan(1), round_ends);
+  return along_outline(cv::abs(crossing.predict(drawn.place, grid).distance - distance), distance);
+}
+
+/// A section and those beyond it.
+std::vector<const DrawnSection*> from(const DrawnSection* section, const std::vector<const DrawnSection*>& beyond) {
+  std::vector<const DrawnSection*> all = {section};
+  all.insert(all.end(), beyond.begin(), beyond.end());
+  return all;
 }
 
 /// Where a part comes or goes between the sections, 0 to 1: it moves by as much as it is thick, or more.
@@ -91,7 +138,9 @@ cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat
     spread = options.spread_of_misfit * (first_misfit ? *first_misfit : *second_misfit);
   }
   const cv::Mat change = options.spread_of_change * predicted.change;
-  if (spread.empty()) {
+  if (!predicted.doubt.empty()) {
+    spread = along_outline(options.spread_of_end * predicted.doubt, predicted.distance);
+  } else if (spread.empty()) {
     spread = along_outline(change, predicted.distance);
   } else {
     spread = cv::max(spread, along_outline(change.mul(coming_or_going(predicted)), predicted.distance));
@@ -99,26 +148,24 @@ cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat
   return cv::max(spread * (2.0 * std::sqrt(w * (1.0 - w))), kLeastSpread_blocks);
 }
 
-const SectionGap* pointer_to(const std::optional<SectionGap>& gap) { return gap ? &*gap : nullptr; }
-
 }  // namespace
 
-std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection& first, const DrawnSection& second,
-                                  const DrawnSection* before, const DrawnSection* after,
+std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround& drawn,
                                   std::span<const OpenFrame> frames, const PropagateOptions& options) {
   if (frames.empty()) return {};
+  const DrawnSection& first = *drawn.first;
+  const DrawnSection& second = *drawn.second;
   const PixelGrid grid = grid_around(outlines_of(first, second), kMargin_px);
-  const std::optional<SectionGap> gap = gap_between(&first, &second);
-  const std::optional<SectionGap> gap_before = gap_between(before, &first);
-  const std::optional<SectionGap> gap_after = gap_between(&second, after);
-  const CurvedGap curved(*gap, pointer_to(gap_before), pointer_to(gap_after));
+  const Crossing crossing(first, second, drawn.before, drawn.after, options.round_ends);
   const double deepest_mm = std::max(first.shape->largest_inside_mm(), second.shape->largest_inside_mm());
   const auto drawn_distances = [&](const DrawnSection& section) {
     return section_distances(*section.shape, section.place, grid, deepest_mm / block_mm(section.place, grid));
   };
 
-  const auto first_misfit = misfit(before, first, &second, drawn_distances(first), grid);
-  const auto second_misfit = misfit(&first, second, after, drawn_distances(second), grid);
+  const auto first_misfit =
+      misfit(drawn.before, first, from(drawn.second, drawn.after), drawn_distances(first), grid, options.round_ends);
+  const auto second_misfit =
+      misfit(from(drawn.first, drawn.before), second, drawn.after, drawn_distances(second), grid, options.round_ends);
   std::vector<StackFrame> stack(frames.size() + 2);
   std::vector<FilledFrame> filled(frames.size());
   const int count = static_cast<int>(frames.size());
@@ -132,7 +179,7 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection
         continue;
       }
       const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
-      const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid, options.round_ends);
+      const PredictedOutline predicted = crossing.predict(frame.place, grid);
       to = stack_frame(recording, frame.frame, grid, predicted.distance);
       to.spread = spread_of(predicted, first_misfit, second_misfit, options);
       to.share = predicted.share;
