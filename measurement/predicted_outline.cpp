@@ -54,14 +54,20 @@ cv::Size coarse_size(const PixelGrid& grid) {
   return {(grid.size.width + kStride - 1) / kStride + 1, (grid.size.height + kStride - 1) / kStride + 1};
 }
 
+TaperedEnd::Value value_between(const OutlineWays& ways, const Eigen::Vector2d& ab_mm, double u) {
+  if (ways.first_ends != nullptr) return ways.first_ends->value_mm(ab_mm, 1.0 - u);
+  if (ways.second_ends != nullptr) return ways.second_ends->value_mm(ab_mm, u);
+  return {ways.across->value_mm(ab_mm, u), 0.0F};
+}
+
 }  // namespace
 
 double block_mm(const CarriedPlane& place, const PixelGrid& grid) {
   return grid.step_px * std::sqrt(std::abs(place.ab_from_image.linear().determinant()));
 }
 
-PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved, const TaperedEnd* end,
-                                 const CarriedPlane& place, const PixelGrid& grid) {
+PredictedOutline predict_outline(const SectionGap& gap, const OutlineWays& ways, const CarriedPlane& place,
+                                 const PixelGrid& grid) {
   const SectionShape& first = *gap.first().shape;
   const SectionShape& second = *gap.second().shape;
   const float deepest = std::max(first.largest_inside_mm(), second.largest_inside_mm());
@@ -70,8 +76,8 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
   cv::Mat distance(size, CV_32FC1);
   cv::Mat change(size, CV_32FC1);
   cv::Mat depth(size, CV_32FC1);
-  cv::Mat doubt(end == nullptr ? cv::Size() : size, CV_32FC1);
-  const bool ends_first = first.kind() != SectionKind::kOutlined;
+  const bool ends = ways.first_ends != nullptr || ways.second_ends != nullptr;
+  cv::Mat doubt(size, CV_32FC1);
   PredictedOutline result;
   double shares = 0.0;
   Between at;
@@ -80,13 +86,9 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
       const Eigen::Vector2d own_ab = place.ab_from_image * grid.middle_px(kStride * i, kStride * j);
       at = between_sections(gap, place.plane.at(own_ab), {own_ab, at.u});
       shares += at.u;
-      if (end != nullptr) {
-        const double w = ends_first ? at.u : 1.0 - at.u;
-        distance.at<float>(j, i) = per_block * end->value_mm(at.ab_mm, w);
-        doubt.at<float>(j, i) = per_block * end->doubt_mm(at.ab_mm, w);
-      } else {
-        distance.at<float>(j, i) = per_block * curved.value_mm(at.ab_mm, at.u);
-      }
+      const TaperedEnd::Value value = value_between(ways, at.ab_mm, at.u);
+      distance.at<float>(j, i) = per_block * value.distance_mm;
+      doubt.at<float>(j, i) = per_block * value.doubt_mm;
       const float of_first = per_block * distance_or_absent(first, at.ab_mm, deepest);
       const float of_second = per_block * distance_or_absent(second, at.ab_mm, deepest);
       change.at<float>(j, i) = std::abs(of_second - of_first);
@@ -96,7 +98,7 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
   result.distance = filled_in(distance, grid.size);
   result.change = filled_in(change, grid.size);
   result.depth = filled_in(depth, grid.size);
-  if (end != nullptr) result.doubt = filled_in(doubt, grid.size);
+  if (ends) result.doubt = filled_in(doubt, grid.size);
   result.share = shares / static_cast<double>(size.area());
   return result;
 }

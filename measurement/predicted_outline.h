@@ -16,15 +16,20 @@ struct PredictedOutline {
   cv::Mat distance;    ///< by interpolation that maximal discs guide, of second order; towards an end as TaperedEnd
   cv::Mat change;      ///< how far the distance straight across changes from the one section to the other, without sign
   cv::Mat depth;       ///< straight across, the larger of the distances of both sections
-  cv::Mat doubt;       ///< towards a tapered end, TaperedEnd::doubt_mm; empty elsewhere
+  cv::Mat doubt;       ///< TaperedEnd::Value::doubt_mm; empty where the structure does not end
   double share = 0.5;  ///< of the way from the first section to the second, on average
 };
 
-/// `curved` is that of `gap`; `place` is the frame's plane, in the same (a, b) as the gap's, and need not lie exactly
-/// between the sections. `end` is how the structure ends at the one of both that has no area; where it is null, as a
-/// disc-guided surface does.
-PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved, const TaperedEnd* end,
-                                 const CarriedPlane& place, const PixelGrid& grid);
+/// What leads through a gap: one of these, the others are null.
+struct OutlineWays {
+  const CurvedGap* across = nullptr;        ///< that of the gap
+  const TaperedEnd* first_ends = nullptr;   ///< how the first section ends before the second
+  const TaperedEnd* second_ends = nullptr;  ///< how the second section begins after the first
+};
+
+/// `place` is the frame's plane, in the same (a, b) as the gap's, and need not lie exactly between the sections.
+PredictedOutline predict_outline(const SectionGap& gap, const OutlineWays& ways, const CarriedPlane& place,
+                                 const PixelGrid& grid);
 
 /// The distances of one section on its own frame. Where it is absent all lies `absent_blocks` outside.
 cv::Mat section_distances(const SectionShape& shape, const CarriedPlane& place, const PixelGrid& grid,

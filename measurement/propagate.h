@@ -26,7 +26,7 @@ struct PropagateOptions {
   /// shows where a drawn section is predicted from its neighbours, twice as far apart; and, where nothing shows or a
   /// part comes or goes, as a share of how far the outline moves from one section to the other.
   double spread_of_misfit = 0.1;
-  double spread_of_change = 0.15;
+  double spread_of_change = 0.3;
   /// The same half-way to an end, as a share of half the thickness of the part that ends; three times as much where the
   /// end is not touched.
   double spread_of_end = 0.03;

@@ -7,7 +7,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "measurement/predicted_outline.h"
+#include "measurement/outline_crossing.h"
 
 namespace fathom {
 
@@ -45,58 +45,22 @@ std::vector<Polygon> outlines_of(const DrawnSection& first, const DrawnSection& 
   return outlines;
 }
 
-StackFrame stack_frame(const Recording& recording, int frame, const PixelGrid& grid, cv::Mat distance) {
+StackFrame stack_frame(const Recording& recording, int frame, const PixelGrid& grid) {
   StackFrame result;
   const cv::Mat image = recording.image(frame);
   result.grey = block_means(image, grid);
   result.seen = blocks_seen(image.size(), grid);
-  result.distance = std::move(distance);
   result.spread = cv::Mat::zeros(grid.size, CV_32FC1);
   return result;
 }
 
-/// What leads from one drawn section to the next.
-class Crossing {
- public:
-  /// `before` and `after` lie beyond them, the nearest first. At least one section has an area.
-  Crossing(const DrawnSection& first, const DrawnSection& second, std::span<const DrawnSection* const> before,
-           std::span<const DrawnSection* const> after, bool round_ends)
-      : gap_(gap_between(first, second)) {
-    if (!before.empty()) gap_before_.emplace(gap_between(*before.front(), first));
-    if (!after.empty()) gap_after_.emplace(gap_between(second, *after.front()));
-    curved_.emplace(gap_, gap_before_ ? &*gap_before_ : nullptr, gap_after_ ? &*gap_after_ : nullptr);
-    if (!round_ends) return;
-    if (first.outlines_px.empty()) end_ = tapered(first, second, after);
-    if (second.outlines_px.empty()) end_ = tapered(second, first, before);
-  }
-  Crossing(const Crossing&) = delete;
-  Crossing& operator=(const Crossing&) = delete;
+CrossedSection crossed(const DrawnSection& section) { return {section.place, section.shape}; }
 
-  PredictedOutline predict(const CarriedPlane& place, const PixelGrid& grid) const {
-    return predict_outline(gap_, *curved_, end_ ? &*end_ : nullptr, place, grid);
-  }
-
- private:
-  static SectionGap gap_between(const DrawnSection& a, const DrawnSection& b) {
-    return {{a.place.plane, a.shape}, {b.place.plane, b.shape}, Guide::kDiscs};
-  }
-
-  static TaperedEnd tapered(const DrawnSection& end, const DrawnSection& nearest,
-                            std::span<const DrawnSection* const> farther) {
-    std::vector<PlacedSection> sections = {{nearest.place.plane, nearest.shape}};
-    for (const DrawnSection* section : farther) {
-      if (section->outlines_px.empty()) break;
-      sections.push_back({section->place.plane, section->shape});
-    }
-    return {{end.place.plane, end.shape}, sections};
-  }
-
-  SectionGap gap_;
-  std::optional<SectionGap> gap_before_;
-  std::optional<SectionGap> gap_after_;
-  std::optional<CurvedGap> curved_;
-  std::optional<TaperedEnd> end_;
-};
+std::vector<CrossedSection> crossed(std::span<const DrawnSection* const> sections) {
+  std::vector<CrossedSection> all;
+  for (const DrawnSection* section : sections) all.push_back(crossed(*section));
+  return all;
+}
 
 /// By how much the sections on either side of a drawn one mispredict it, along its outline; empty where one is missing.
 std::optional<cv::Mat> misfit(std::span<const DrawnSection* const> before, const DrawnSection& drawn,
@@ -106,7 +70,8 @@ std::optional<cv::Mat> misfit(std::span<const DrawnSection* const> before, const
   const DrawnSection& first = *before.front();
   const DrawnSection& second = *after.front();
   if (first.outlines_px.empty() && second.outlines_px.empty()) return std::nullopt;
-  const Crossing crossing(first, second, before.subspan(1), after.subspan(1), round_ends);
+  const OutlineCrossing crossing(crossed(first), crossed(second), crossed(before.subspan(1)), crossed(after.subspan(1)),
+                                 round_ends);
   return along_outline(cv::abs(crossing.predict(drawn.place, grid).distance - distance), distance);
 }
 
@@ -156,7 +121,8 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround&
   const DrawnSection& first = *drawn.first;
   const DrawnSection& second = *drawn.second;
   const PixelGrid grid = grid_around(outlines_of(first, second), kMargin_px);
-  const Crossing crossing(first, second, drawn.before, drawn.after, options.round_ends);
+  OutlineCrossing crossing(crossed(first), crossed(second), crossed(drawn.before), crossed(drawn.after),
+                           options.round_ends);
   const double deepest_mm = std::max(first.shape->largest_inside_mm(), second.shape->largest_inside_mm());
   const auto drawn_distances = [&](const DrawnSection& section) {
     return section_distances(*section.shape, section.place, grid, deepest_mm / block_mm(section.place, grid));
@@ -169,18 +135,34 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround&
   std::vector<StackFrame> stack(frames.size() + 2);
   std::vector<FilledFrame> filled(frames.size());
   const int count = static_cast<int>(frames.size());
-  cv::parallel_for_(cv::Range(-1, count + 1), [&](const cv::Range& range) {
+  const cv::Range all(-1, count + 1);
+  const auto place_of = [&](int i) -> const CarriedPlane& {
+    return i == -1 ? first.place : i == count ? second.place : frames[static_cast<std::size_t>(i)].place;
+  };
+  cv::parallel_for_(all, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const int frame = i == -1 ? first.frame : i == count ? second.frame : frames[static_cast<std::size_t>(i)].frame;
+      stack[static_cast<std::size_t>(i + 1)] = stack_frame(recording, frame, grid);
+    }
+  });
+  if (options.pixels) {
+    std::vector<CrossedFrame> seen;
+    for (int i = all.start; i < all.end; ++i) {
+      const StackFrame& frame = stack[static_cast<std::size_t>(i + 1)];
+      seen.push_back({frame.grey, frame.seen, place_of(i)});
+    }
+    crossing.find_tips(seen, grid);
+  }
+  cv::parallel_for_(all, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       StackFrame& to = stack[static_cast<std::size_t>(i + 1)];
       if (i == -1 || i == count) {
-        const DrawnSection& section = i == -1 ? first : second;
-        to = stack_frame(recording, section.frame, grid, drawn_distances(section));
+        to.distance = drawn_distances(i == -1 ? first : second);
         to.share = i == -1 ? 0.0 : 1.0;
         continue;
       }
-      const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
-      const PredictedOutline predicted = crossing.predict(frame.place, grid);
-      to = stack_frame(recording, frame.frame, grid, predicted.distance);
+      const PredictedOutline predicted = crossing.predict(place_of(i), grid);
+      to.distance = predicted.distance;
       to.spread = spread_of(predicted, first_misfit, second_misfit, options);
       to.share = predicted.share;
     }

@@ -15,12 +15,20 @@ namespace {
 constexpr double kLeastShare = 1e-4;   // of the section's area: smaller is nothing
 constexpr double kTipMargin = 0.05;    // a tip that is not touched lies so far from both planes at least
 constexpr double kDoubtOfNoTip = 3.0;  // where nothing tells where it ends
-constexpr double kEven = 0.3;          // the area of a part of even thickness grows by less
+constexpr double kLeastBall = 0.02;
+constexpr double kMostOfEven = 1.3;  // by which the area of a part of even thickness grows at most
 
 double area_of(const SectionShape& shape) {
   std::vector<const Polygon*> polygons;
   for (const Polygon& outline : shape.outlines_mm()) polygons.push_back(&outline);
   return even_odd_area(polygons).area_px2;
+}
+
+/// The distance, far outside a bound of it that is found at once.
+double distance_or_less_mm(const SectionShape& shape, const Eigen::Vector2d& ab_mm) {
+  const double outside = shape.least_outside_mm(ab_mm);
+  if (outside > 0.0) return -outside - kRasterMargin * shape.cell_mm();
+  return static_cast<double>(shape.distance_mm(ab_mm));
 }
 
 /// A part on a section farther from the end.
@@ -39,14 +47,20 @@ double way_to(const SectionPlane& plane, const SectionPlane& end, const SectionP
   return std::abs(behind) < 1e-9 ? 1.0 : 1.0 - normal.dot(plane.at(ab_mm) - at) / behind;
 }
 
-/// The part that continues `centre_mm`, where both sections have as many.
-const SectionPart* continued(const std::vector<SectionPart>& parts, std::size_t count,
-                             const Eigen::Vector2d& centre_mm) {
-  if (parts.size() != count) return nullptr;
-  const auto nearer = [&](const SectionPart& a, const SectionPart& b) {
-    return (a.centroid_mm - centre_mm).squaredNorm() < (b.centroid_mm - centre_mm).squaredNorm();
-  };
-  return &*std::min_element(parts.begin(), parts.end(), nearer);
+/// The part of the next section that goes on from one of `parts`: the only one that overlaps it, or where both sections
+/// have as many the nearest. Null where it divides or meets others.
+const SectionPart* continued(const std::vector<SectionPart>& parts, std::size_t own,
+                             const std::vector<SectionPart>& next) {
+  std::vector<const SectionPart*> found;
+  for (const SectionPart& candidate : next) {
+    if (parts_meet(parts[own], candidate)) found.push_back(&candidate);
+  }
+  const auto meets = [&](const SectionPart& part) { return parts_meet(part, *found.front()); };
+  if (found.size() == 1 && std::count_if(parts.begin(), parts.end(), meets) == 1) return found.front();
+  if (parts.size() != next.size()) return nullptr;
+  const auto off = [&](const SectionPart& part) { return (part.centroid_mm - parts[own].centroid_mm).squaredNorm(); };
+  return &*std::min_element(next.begin(), next.end(),
+                            [&](const SectionPart& a, const SectionPart& b) { return off(a) < off(b); });
 }
 
 /// The tip of the parabola through the areas, or of the straight line through two of them, between the planes; empty
@@ -86,33 +100,38 @@ double TaperedEnd::Part::value_mm(const Eigen::Vector2d& ab_mm, double w) const 
     return -off.norm() - beyond * static_cast<double>(shape->largest_inside_mm());
   }
   const double scale = std::sqrt(share);
-  return scale * static_cast<double>(shape->distance_mm(centre_mm + off / scale));
+  return scale * distance_or_less_mm(*shape, centre_mm + off / scale);
 }
 
 TaperedEnd::TaperedEnd(const PlacedSection& end, std::span<const PlacedSection> sections) {
-  assert(end.shape->kind() != SectionKind::kOutlined && !sections.empty());
+  assert(!sections.empty());
   sections = sections.first(std::min<std::size_t>(3, sections.size()));
   const SectionPlane& first = sections.front().plane;
   std::vector<std::vector<SectionPart>> all;
   for (const PlacedSection& section : sections) all.push_back(section_parts(section.shape));
   const bool point = end.shape->kind() == SectionKind::kPoint;
-  const Eigen::Vector2d point_mm = end.shape->raster().origin_mm;
+  const Eigen::Vector2d point_mm = point ? end.shape->raster().origin_mm : Eigen::Vector2d::Zero();
   const auto to_point = [&](const SectionPart& part) { return part.shape->distance_mm(point_mm); };
   const auto touched = std::max_element(all[0].begin(), all[0].end(), [&](const SectionPart& a, const SectionPart& b) {
     return to_point(a) < to_point(b);
   });
-  for (auto own = all[0].begin(); own != all[0].end(); ++own) {
+  for (std::size_t i = 0; i < all[0].size(); ++i) {
+    const SectionPart* own = &all[0][i];
     std::vector<Farther> known = {{1.0, area_of(*own->shape), own->centroid_mm}};
+    std::size_t at = i;
     for (std::size_t k = 1; k < sections.size(); ++k) {
-      const SectionPart* next = continued(all[k], all[0].size(), known.back().centre_mm);
+      const SectionPart* next = continued(all[k - 1], at, all[k]);
       const double w = way_to(sections[k].plane, end.plane, first, own->centroid_mm);
       if (next == nullptr || !(w > known.back().w + 0.1)) break;
       known.push_back({w, area_of(*next->shape), next->centroid_mm});
+      at = static_cast<std::size_t>(next - all[k].data());
     }
+    const bool is_touched = point && own == &*touched;
+    // What grows faster than a paraboloid has joined something.
+    if (is_touched && known.size() > 1 && known[1].area > known[1].w * known[0].area) known.resize(1);
     Part part;
     part.shape = own->shape;
     part.centre_mm = own->centroid_mm;
-    const bool is_touched = point && own == touched;
     const std::optional<double> tip = is_touched ? 0.0 : tip_of(known);
     part.tip = tip.value_or(0.5);
     part.doubt = tip ? 1.0 : kDoubtOfNoTip;
@@ -130,7 +149,10 @@ TaperedEnd::TaperedEnd(const PlacedSection& end, std::span<const PlacedSection> 
     const double lean = aside_mm / std::max(1e-9, std::hypot(aside_mm, ahead_mm));
     const double ball = static_cast<double>(own->shape->largest_inside_mm()) * (1.0 + lean) /
                         std::max(1e-9, ahead_mm * (1.0 - part.tip));
-    if (ball < 1.0 && (!more || known[1].area < (1.0 + kEven) * known[0].area)) {
+    part.ball = std::clamp(ball * (1.0 - part.tip), kLeastBall, 1.0);
+    const bool even = ball < 1.0 && (!more || is_touched || known[1].area < kMostOfEven * known[0].area);
+    part.open = !is_touched && (even || !tip);
+    if (even) {
       part.grown = ball;
       part.slope = 2.0;
       part.bend = -1.0;
@@ -144,18 +166,31 @@ TaperedEnd::TaperedEnd(const PlacedSection& end, std::span<const PlacedSection> 
   }
 }
 
-const TaperedEnd::Part& TaperedEnd::nearest(const Eigen::Vector2d& ab_mm, double w) const {
-  return *std::max_element(parts_.begin(), parts_.end(),
-                           [&](const Part& a, const Part& b) { return a.value_mm(ab_mm, w) < b.value_mm(ab_mm, w); });
+TaperedEnd::Value TaperedEnd::value_mm(const Eigen::Vector2d& ab_mm, double w) const {
+  Value best;
+  for (const Part& part : parts_) {
+    const auto distance_mm = static_cast<float>(part.value_mm(ab_mm, w));
+    if (distance_mm <= best.distance_mm) continue;
+    best = {distance_mm, static_cast<float>(part.doubt) * part.shape->largest_inside_mm()};
+  }
+  return best;
 }
 
-float TaperedEnd::value_mm(const Eigen::Vector2d& ab_mm, double w) const {
-  return static_cast<float>(nearest(ab_mm, w).value_mm(ab_mm, w));
+std::vector<TaperedEnd::OpenPart> TaperedEnd::open_parts() const {
+  std::vector<OpenPart> open;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].open) open.push_back({i, parts_[i].shape, parts_[i].centre_slope_mm});
+  }
+  return open;
 }
 
-float TaperedEnd::doubt_mm(const Eigen::Vector2d& ab_mm, double w) const {
-  const Part& part = nearest(ab_mm, w);
-  return static_cast<float>(part.doubt) * part.shape->largest_inside_mm();
+void TaperedEnd::end_at(std::size_t index, double tip) {
+  Part& part = parts_[index];
+  part.tip = std::clamp(tip, kTipMargin, 1.0 - kTipMargin);
+  part.grown = std::min(1.0, part.ball / (1.0 - part.tip));
+  part.slope = 2.0;
+  part.bend = -1.0;
+  part.doubt = 1.0;
 }
 
 }  // namespace fathom
