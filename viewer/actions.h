@@ -21,6 +21,9 @@ struct Action {
   bool repeats = false;           ///< while the key is held
 };
 
+/// The menu of what was open before.
+inline constexpr const char* kRecentMenu = "Recent";
+
 /// Draws the menus in the order of the table. `menu:File/Save` is where a script finds an entry.
 void draw_menus(const std::vector<Action>& actions);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -138,13 +139,17 @@ void Application::open_dropped(const std::filesystem::path& path) {
 
 void Application::make_recent_actions() {
   actions_ = make_actions(*this);
+  std::vector<Action> recent;
   for (const std::filesystem::path& path : recent_files()) {
     Action action;
-    action.menu = "Recent";
+    action.menu = kRecentMenu;
     action.label = path.string();
     action.run = [this, path] { session_.open(path); };
-    actions_.push_back(std::move(action));
+    recent.push_back(std::move(action));
   }
+  const auto behind_file =
+      std::find_if(actions_.begin(), actions_.end(), [](const Action& action) { return action.menu != "File"; });
+  actions_.insert(behind_file, std::make_move_iterator(recent.begin()), std::make_move_iterator(recent.end()));
 }
 
 void Application::show_live(bool on) {

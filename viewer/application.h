@@ -8,6 +8,7 @@
 
 #include "viewer/actions.h"
 #include "viewer/file_dialog.h"
+#include "viewer/job_bars.h"
 #include "viewer/live_pane.h"
 #include "viewer/measurements_pane.h"
 #include "viewer/outline_pane.h"
@@ -42,6 +43,7 @@ class Application {
   void draw_toolbar();
   void draw_panes();
   void draw_right_side(ImVec2 low, ImVec2 size);
+  void draw_first_steps(const char* pane);
   void draw_status();
   void draw_messages();
   void draw_close_question();
@@ -71,6 +73,7 @@ class Application {
   LivePane live_;
   MeasurementsPane measurements_;
   FileDialog files_;
+  JobBars bars_;
   std::vector<Action> actions_;
   bool help_ = false;
   bool live_shown_ = false;  // instead of Review

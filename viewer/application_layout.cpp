@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
+#include <string_view>
 
 #include <imgui.h>
 
 #include "viewer/application.h"
+#include "viewer/first_steps.h"
 #include "viewer/timeline_pane.h"
 #include "viewer/widgets.h"
 
@@ -94,6 +95,7 @@ void Application::draw_panes() {
 
   begin_pane("Review", low, {left - (right_side ? bar : 0.0F), main - bar});
   if (!live_shown_) {
+    if (session_.document() == nullptr) draw_welcome(actions_);
     review_.draw(session_, window_->pointer_path());
   } else if (live_.draw(session_, settings_)) {
     show_live(false);
@@ -106,12 +108,22 @@ void Application::draw_panes() {
   if (settings_.show_timeline) {
     ui::splitter("split:main", false, {low.x, low.y + main - bar}, whole.x, whole.y, settings_.main);
     begin_pane("Timeline", {low.x, low.y + main}, {whole.x, whole.y - main});
+    draw_first_steps("Timeline");
     draw_timeline(session_);
     ImGui::EndChild();
   }
   ImGui::SetCursorScreenPos({low.x, low.y + whole.y + 2.0F});
   draw_status();
   ImGui::End();
+}
+
+// Before the pane's own things, which are none as long as these are there.
+void Application::draw_first_steps(const char* pane) {
+  const Document* document = session_.document();
+  if (document == nullptr) draw_purpose(pane);
+  if (document != nullptr && !document->is_calibrated() && std::string_view(pane) == "Outline") {
+    draw_calibration_missing(session_, actions_);
+  }
 }
 
 void Application::draw_right_side(ImVec2 low, ImVec2 size) {
@@ -124,11 +136,13 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
   const float inner = width - (last ? bar : 0.0F);
   if (settings_.show_outline) {
     begin_pane("Outline", low, {inner, upper - (both ? bar : 0.0F)});
+    draw_first_steps("Outline");
     outline_.draw(session_);
     ImGui::EndChild();
   }
   if (settings_.show_reslice) {
     begin_pane("Reslice", {low.x, low.y + upper}, {inner, size.y - upper});
+    draw_first_steps("Reslice");
     reslice_.draw(session_);
     ImGui::EndChild();
   }
@@ -138,6 +152,7 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
   }
   if (last) {
     begin_pane("Measurements", {low.x + width, low.y}, {size.x - width, size.y}, 0);
+    draw_first_steps("Measurements");
     measurements_.draw(session_);
     ImGui::EndChild();
   }
@@ -145,21 +160,7 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
 
 void Application::draw_status() {
   const Document* document = session_.document();
-  std::set<std::string> shown;  // of one key one may run while another waits: to the user they are one
-  for (const JobStatus& job : session_.worker().jobs()) {
-    if (job.cancelling || !shown.insert(job.key).second) continue;
-    ImGui::ProgressBar(static_cast<float>(job.fraction), {8.0F * ui::em(), 1.2F * ui::em()}, "");
-    ImGui::SameLine();
-    ImGui::TextUnformatted(job.title.c_str());
-    ImGui::SameLine();
-    ImGui::PushID(job.key.c_str());
-    ImGui::SmallButton("Cancel");
-    // When pressed, not when let go: until then what is left of it may be done, and the button have moved away.
-    if (ImGui::IsItemClicked()) session_.cancel(job.key);
-    ui::note_last("cancel:" + job.key);
-    ImGui::PopID();
-    ImGui::SameLine();
-  }
+  bars_.draw(session_);
   if (document == nullptr) {
     ImGui::TextUnformatted("F1 shows the keys");
     return;

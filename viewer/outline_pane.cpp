@@ -82,12 +82,7 @@ void OutlinePane::draw(Session& session) {
   if (size_.x < 8.0F || size_.y < 8.0F) return;
   const Document* document = session.document();
   if (document == nullptr) return;
-  if (!document->is_calibrated()) {
-    ImGui::TextWrapped(
-        "Without a calibration nobody knows where frames are. Drop a calibration file on the window, or "
-        "choose File, Calibration.");
-    return;
-  }
+  if (!document->is_calibrated()) return;
   shown_ = true;
   update_posts(session);
   update_current(session);

@@ -128,10 +128,7 @@ void ReviewPane::draw(Session& session, const std::vector<Eigen::Vector2d>& path
   if (size.x < 2.0F || size.y < 2.0F) return;
   placed_ = false;
   const RecordingHeader* header = session.header();
-  if (header == nullptr) {
-    ImGui::TextWrapped("Nothing is open. Open an exam or a recording by File, or drop one here.");
-    return;
-  }
+  if (header == nullptr) return;
   if (!header->has_images() || header->frame_count() == 0) {
     ImGui::TextWrapped("This recording has no images.");
     return;

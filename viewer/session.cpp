@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "viewer/calibration_beside.h"
 
 namespace fathom {
 
@@ -63,6 +64,7 @@ void Session::take_document(std::unique_ptr<Document> document, const std::files
   worker_.cancel_all();  // what it does is of another document
   structures_.reset();
   document_ = std::move(document);
+  calibration_beside_ = document_->is_calibrated() ? std::filesystem::path() : find_calibration_beside(path);
   structures_ = std::make_unique<StructureViews>(*document_, worker_);
   told_ = 0;
   const ViewState before = view;

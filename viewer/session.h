@@ -53,6 +53,8 @@ class Session {
   void save();
   void save_as(const std::filesystem::path& folder);
   void close();
+  /// A calibration that lies beside the recording that was opened without one; empty where there is none.
+  const std::filesystem::path& calibration_beside() const { return calibration_beside_; }
 
   /// Does what the user asked for; an Error becomes a message about `about`, and an action under way is taken back.
   bool attempt(const std::string& about, const std::function<void()>& command);
@@ -87,6 +89,7 @@ class Session {
   void take_document(std::unique_ptr<Document> document, const std::filesystem::path& path);
 
   std::unique_ptr<Document> document_;
+  std::filesystem::path calibration_beside_;
   std::vector<Message> messages_;
   std::size_t told_ = 0;  // of the document's own messages
   FrameLoader frames_;

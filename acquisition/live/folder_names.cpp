@@ -13,8 +13,9 @@ namespace fathom {
 
 namespace {
 
+// With "Seq_Frame000000_" before the name the whole line stays below the 1000 characters that PLUS reads at once.
 constexpr std::size_t kLongestName = 200;
-constexpr std::size_t kLongestValue = 4000;
+constexpr std::size_t kLongestValue = 750;
 constexpr std::size_t kMostTransforms = 64;
 
 bool is_plain(char c) {

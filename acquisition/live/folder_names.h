@@ -26,7 +26,8 @@ std::string plain_status(const std::string& status);
 /// A pose as it may be stored: finite, and where valid rigid, or else marked invalid.
 Pose storable(const NamedPose& pose);
 
-/// The fields that a header can hold: plain names that mean nothing else there, each once, values of sensible length.
+/// The fields that a header can hold: plain names that mean nothing else there, each once, in lines
+/// below 1000 characters, as PLUS reads them.
 std::vector<std::pair<std::string, std::string>> usable_fields(
     const std::vector<std::pair<std::string, std::string>>& fields);
 

@@ -6,20 +6,14 @@ Usage: viewer_study.py FATHOM. Prints the figures of docs/results.md; fails wher
 
 import json
 import math
-import subprocess
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from viewer_driver import DUMP, IDLE, at, run_all  # noqa: E402
+from viewer_exams import fathom  # noqa: E402
 
 CLICK_S, DRAG_S_PER_PX = 1.0, 0.3 / 100  # of the scripted user
-
-
-def fathom(program, *arguments):
-    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 class Shared:

@@ -1,3 +1,5 @@
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include "acquisition/live/folder_names.h"
@@ -193,6 +195,29 @@ TEST(FolderNames, OfAnyDeviceCanBeReadBack) {
   EXPECT_FALSE(header.poses.at(2)->valid());
   EXPECT_FALSE(header.image_valid());
   EXPECT_EQ(header.fields.front(), (std::pair<std::string, std::string>("fine", "1")));
+}
+
+// PLUS takes a line in pieces below 1000 characters, and what does not fit for a line of its own.
+TEST(FolderNames, MakeNoLineOfTheHeaderTooLongForPlus) {
+  const ScratchFolder scratch;
+  const std::string long_name(300, 'n');
+  auto frame = std::make_shared<TrackedFrame>();
+  frame->frame.image = numbered_image(1);
+  frame->frame.time_s = 1.0;
+  Eigen::Matrix4d far = shifted(1e8 / 3);
+  far.topLeftCorner<3, 3>() = Eigen::AngleAxisd(1.0, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  frame->poses = {{long_name + "To" + long_name, {far, "OK"}}};
+  for (const std::size_t length : {700, 980, 4000}) {
+    frame->frame.fields.emplace_back(std::string(200, 'f') + std::to_string(length), std::string(length, 'v'));
+    frame->frame.fields.emplace_back("Field" + std::to_string(length), std::string(length, 'v'));
+  }
+  Recorder recorder(scratch / "scan", {.fields = frame->frame.fields});
+  recorder.record();
+  recorder.on_frame(frame);
+  recorder.finish();
+  EXPECT_EQ(open_recording(scratch / "scan")->header().frames.at(0).fields.front().first, "Field700");
+  std::ifstream header(scratch / "scan" / "sweep.mhd");
+  for (std::string line; std::getline(header, line);) EXPECT_LT(line.size(), 1000U) << line.substr(0, 40);
 }
 
 }  // namespace
