@@ -20,10 +20,10 @@ constexpr double kMeantToOverlap = 0.1;  // of the smaller structure: more than 
 
 // The probability of Dice >= 0.9, by a logistic regression on simulated sweeps with seeds of their own
 // (docs/results.md says how).
-constexpr double kConfidenceConstant = -3.905;
-constexpr double kConfidenceOfError = -0.840;
-constexpr double kConfidenceOfMove = -0.652;
-constexpr double kConfidenceOfChange = -1.341;
+constexpr double kConfidenceConstant = -2.397;
+constexpr double kConfidenceOfError = -0.998;
+constexpr double kConfidenceOfMove = -0.051;
+constexpr double kConfidenceOfChange = -1.340;
 constexpr double kLeastFault = 0.002;  // of 1 - Dice, that a logarithm is taken of
 
 double confidence_of(const FilledFrame& frame) {
@@ -139,8 +139,7 @@ Filled fill(const Structure& structure, const Recording& recording, const Places
     }
     const auto open = open_frames(recording, places, first.frame, second.frame, options.every);
     DrawnAround around{&first, &second, {}, {}};
-    for (std::size_t k = i; k > 0 && around.before.size() < 2 && joined(k - 1); --k)
-      around.before.push_back(&drawn[k - 1]);
+    for (std::size_t k = i; k > 0 && k + 1 >= i && joined(k - 1); --k) around.before.push_back(&drawn[k - 1]);
     for (std::size_t k = i + 1; around.after.size() < 2 && joined(k); ++k) around.after.push_back(&drawn[k + 1]);
     auto filled = fill_run(recording, around, open, options);
     result.frames.insert(result.frames.end(), std::make_move_iterator(filled.begin()),
