@@ -81,6 +81,17 @@ std::optional<double> tip_of(const std::vector<Farther>& known) {
   return std::clamp(1.0 - back, kTipMargin, 1.0 - kTipMargin);
 }
 
+/// Whether a part whose tip is at 0 keeps its area rather than shrinks to another end, as the third of `sections`
+/// tells: nearer to the first one's area than to the parabola's. Without a third section the structure ends there.
+bool goes_on(const std::vector<Farther>& known, std::size_t sections) {
+  if (known.size() < 3) return sections > 2;
+  const double w2 = known[1].w;
+  const double w3 = known[2].w;
+  const double bend = (known[1].area / w2 - known[0].area) / (w2 - 1.0);
+  const double parabola = w3 * (known[0].area + bend * (w3 - 1.0));
+  return std::abs(known[2].area - known[0].area) < std::abs(known[2].area - parabola);
+}
+
 }  // namespace
 
 double TaperedEnd::Part::share_of_area(double w) const {
@@ -150,7 +161,9 @@ TaperedEnd::TaperedEnd(const PlacedSection& end, std::span<const PlacedSection> 
     const double ball = static_cast<double>(own->shape->largest_inside_mm()) * (1.0 + lean) /
                         std::max(1e-9, ahead_mm * (1.0 - part.tip));
     part.ball = std::clamp(ball * (1.0 - part.tip), kLeastBall, 1.0);
-    const bool even = ball < 1.0 && (!more || is_touched || known[1].area < kMostOfEven * known[0].area);
+    const bool even =
+        ball < 1.0 &&
+        (!more || (is_touched ? goes_on(known, sections.size()) : known[1].area < kMostOfEven * known[0].area));
     part.open = !is_touched && (even || !tip);
     if (even) {
       part.grown = ball;
