@@ -38,14 +38,6 @@ Between between_sections(const SectionGap& gap, const Eigen::Vector3d& x_mm, Bet
   return at;
 }
 
-/// Where a section has no area a smooth body ends as a paraboloid does, its radius with the root of the way; and it
-/// ends at the point that the section touches, or half-way to one that it does not reach.
-double rounded_off(const SectionShape& end, double way) {
-  if (end.kind() == SectionKind::kPoint) return std::sqrt(way);
-  if (end.kind() == SectionKind::kAbsent && way > 0.5) return 0.5 + 0.5 * std::sqrt(2.0 * way - 1.0);
-  return way;
-}
-
 float distance_or_absent(const SectionShape& shape, const Eigen::Vector2d& ab_mm, float absent_mm) {
   return shape.kind() == SectionKind::kAbsent ? -absent_mm : shape.distance_mm(ab_mm);
 }
@@ -62,14 +54,20 @@ cv::Size coarse_size(const PixelGrid& grid) {
   return {(grid.size.width + kStride - 1) / kStride + 1, (grid.size.height + kStride - 1) / kStride + 1};
 }
 
+TaperedEnd::Value value_between(const OutlineWays& ways, const Eigen::Vector2d& ab_mm, double u) {
+  if (ways.first_ends != nullptr) return ways.first_ends->value_mm(ab_mm, 1.0 - u);
+  if (ways.second_ends != nullptr) return ways.second_ends->value_mm(ab_mm, u);
+  return {ways.across->value_mm(ab_mm, u), 0.0F};
+}
+
 }  // namespace
 
 double block_mm(const CarriedPlane& place, const PixelGrid& grid) {
   return grid.step_px * std::sqrt(std::abs(place.ab_from_image.linear().determinant()));
 }
 
-PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved, const CarriedPlane& place,
-                                 const PixelGrid& grid, bool round_ends) {
+PredictedOutline predict_outline(const SectionGap& gap, const OutlineWays& ways, const CarriedPlane& place,
+                                 const PixelGrid& grid) {
   const SectionShape& first = *gap.first().shape;
   const SectionShape& second = *gap.second().shape;
   const float deepest = std::max(first.largest_inside_mm(), second.largest_inside_mm());
@@ -78,6 +76,8 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
   cv::Mat distance(size, CV_32FC1);
   cv::Mat change(size, CV_32FC1);
   cv::Mat depth(size, CV_32FC1);
+  const bool ends = ways.first_ends != nullptr || ways.second_ends != nullptr;
+  cv::Mat doubt(size, CV_32FC1);
   PredictedOutline result;
   double shares = 0.0;
   Between at;
@@ -86,8 +86,9 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
       const Eigen::Vector2d own_ab = place.ab_from_image * grid.middle_px(kStride * i, kStride * j);
       at = between_sections(gap, place.plane.at(own_ab), {own_ab, at.u});
       shares += at.u;
-      const double u = round_ends ? 1.0 - rounded_off(second, 1.0 - rounded_off(first, at.u)) : at.u;
-      distance.at<float>(j, i) = per_block * curved.value_mm(at.ab_mm, u);
+      const TaperedEnd::Value value = value_between(ways, at.ab_mm, at.u);
+      distance.at<float>(j, i) = per_block * value.distance_mm;
+      doubt.at<float>(j, i) = per_block * value.doubt_mm;
       const float of_first = per_block * distance_or_absent(first, at.ab_mm, deepest);
       const float of_second = per_block * distance_or_absent(second, at.ab_mm, deepest);
       change.at<float>(j, i) = std::abs(of_second - of_first);
@@ -97,6 +98,7 @@ PredictedOutline predict_outline(const SectionGap& gap, const CurvedGap& curved,
   result.distance = filled_in(distance, grid.size);
   result.change = filled_in(change, grid.size);
   result.depth = filled_in(depth, grid.size);
+  if (ends) result.doubt = filled_in(doubt, grid.size);
   result.share = shares / static_cast<double>(size.area());
   return result;
 }

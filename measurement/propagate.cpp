@@ -20,10 +20,10 @@ constexpr double kMeantToOverlap = 0.1;  // of the smaller structure: more than 
 
 // The probability of Dice >= 0.9, by a logistic regression on simulated sweeps with seeds of their own
 // (docs/results.md says how).
-constexpr double kConfidenceConstant = -3.905;
-constexpr double kConfidenceOfError = -0.840;
-constexpr double kConfidenceOfMove = -0.652;
-constexpr double kConfidenceOfChange = -1.341;
+constexpr double kConfidenceConstant = -2.397;
+constexpr double kConfidenceOfError = -0.998;
+constexpr double kConfidenceOfMove = -0.051;
+constexpr double kConfidenceOfChange = -1.340;
 constexpr double kLeastFault = 0.002;  // of 1 - Dice, that a logarithm is taken of
 
 double confidence_of(const FilledFrame& frame) {
@@ -138,8 +138,10 @@ Filled fill(const Structure& structure, const Recording& recording, const Places
       continue;
     }
     const auto open = open_frames(recording, places, first.frame, second.frame, options.every);
-    auto filled = fill_run(recording, first, second, i > 0 && joined(i - 1) ? &drawn[i - 1] : nullptr,
-                           joined(i + 1) ? &drawn[i + 2] : nullptr, open, options);
+    DrawnAround around{&first, &second, {}, {}};
+    for (std::size_t k = i; k > 0 && k + 1 >= i && joined(k - 1); --k) around.before.push_back(&drawn[k - 1]);
+    for (std::size_t k = i + 1; around.after.size() < 2 && joined(k); ++k) around.after.push_back(&drawn[k + 1]);
+    auto filled = fill_run(recording, around, open, options);
     result.frames.insert(result.frames.end(), std::make_move_iterator(filled.begin()),
                          std::make_move_iterator(filled.end()));
   }
@@ -253,7 +255,7 @@ std::string why_nothing(const Propagation& result) {
 
 void PropagateOptions::check() const {
   if (every < 1) throw Error("propagation: every how many frames must be at least 1");
-  for (const double share : {spread_of_misfit, spread_of_change}) {
+  for (const double share : {spread_of_misfit, spread_of_change, spread_of_end}) {
     if (!(share > 0.0) || !std::isfinite(share)) throw Error("propagation: the spreads must be positive");
   }
   refinement.check();

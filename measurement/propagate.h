@@ -25,8 +25,11 @@ struct PropagateOptions {
   /// Standard deviation of the prediction's error half-way between two drawn sections: as a share of the error that
   /// shows where a drawn section is predicted from its neighbours, twice as far apart; and, where nothing shows or a
   /// part comes or goes, as a share of how far the outline moves from one section to the other.
-  double spread_of_misfit = 0.3;
-  double spread_of_change = 0.15;
+  double spread_of_misfit = 0.1;
+  double spread_of_change = 0.3;
+  /// The same half-way to an end, as a share of half the thickness of the part that ends; three times as much where the
+  /// end is not touched.
+  double spread_of_end = 0.03;
   StackRefinementOptions refinement;
 
   /// Throws Error when a value is out of range.

@@ -7,7 +7,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "measurement/predicted_outline.h"
+#include "measurement/outline_crossing.h"
 
 namespace fathom {
 
@@ -45,29 +45,41 @@ std::vector<Polygon> outlines_of(const DrawnSection& first, const DrawnSection& 
   return outlines;
 }
 
-StackFrame stack_frame(const Recording& recording, int frame, const PixelGrid& grid, cv::Mat distance) {
+StackFrame stack_frame(const Recording& recording, int frame, const PixelGrid& grid) {
   StackFrame result;
   const cv::Mat image = recording.image(frame);
   result.grey = block_means(image, grid);
   result.seen = blocks_seen(image.size(), grid);
-  result.distance = std::move(distance);
   result.spread = cv::Mat::zeros(grid.size, CV_32FC1);
   return result;
 }
 
-std::optional<SectionGap> gap_between(const DrawnSection* a, const DrawnSection* b) {
-  if (a == nullptr || b == nullptr) return std::nullopt;
-  return SectionGap({a->place.plane, a->shape}, {b->place.plane, b->shape}, Guide::kDiscs);
+CrossedSection crossed(const DrawnSection& section) { return {section.place, section.shape}; }
+
+std::vector<CrossedSection> crossed(std::span<const DrawnSection* const> sections) {
+  std::vector<CrossedSection> all;
+  for (const DrawnSection* section : sections) all.push_back(crossed(*section));
+  return all;
 }
 
 /// By how much the sections on either side of a drawn one mispredict it, along its outline; empty where one is missing.
-std::optional<cv::Mat> misfit(const DrawnSection* before, const DrawnSection& drawn, const DrawnSection* after,
-                              const cv::Mat& distance, const PixelGrid& grid) {
-  const std::optional<SectionGap> gap = gap_between(before, after);
-  const bool areas = gap && !(before->outlines_px.empty() && after->outlines_px.empty());
-  if (!areas || drawn.outlines_px.empty()) return std::nullopt;
-  const PredictedOutline predicted = predict_outline(*gap, CurvedGap(*gap, nullptr, nullptr), drawn.place, grid);
-  return along_outline(cv::abs(predicted.distance - distance), distance);
+std::optional<cv::Mat> misfit(std::span<const DrawnSection* const> before, const DrawnSection& drawn,
+                              std::span<const DrawnSection* const> after, const cv::Mat& distance,
+                              const PixelGrid& grid, bool round_ends) {
+  if (before.empty() || after.empty() || drawn.outlines_px.empty()) return std::nullopt;
+  const DrawnSection& first = *before.front();
+  const DrawnSection& second = *after.front();
+  if (first.outlines_px.empty() && second.outlines_px.empty()) return std::nullopt;
+  const OutlineCrossing crossing(crossed(first), crossed(second), crossed(before.subspan(1)), crossed(after.subspan(1)),
+                                 round_ends);
+  return along_outline(cv::abs(crossing.predict(drawn.place, grid).distance - distance), distance);
+}
+
+/// A section and those beyond it.
+std::vector<const DrawnSection*> from(const DrawnSection* section, const std::vector<const DrawnSection*>& beyond) {
+  std::vector<const DrawnSection*> all = {section};
+  all.insert(all.end(), beyond.begin(), beyond.end());
+  return all;
 }
 
 /// Where a part comes or goes between the sections, 0 to 1: it moves by as much as it is thick, or more.
@@ -91,7 +103,9 @@ cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat
     spread = options.spread_of_misfit * (first_misfit ? *first_misfit : *second_misfit);
   }
   const cv::Mat change = options.spread_of_change * predicted.change;
-  if (spread.empty()) {
+  if (!predicted.doubt.empty()) {
+    spread = along_outline(options.spread_of_end * predicted.doubt, predicted.distance);
+  } else if (spread.empty()) {
     spread = along_outline(change, predicted.distance);
   } else {
     spread = cv::max(spread, along_outline(change.mul(coming_or_going(predicted)), predicted.distance));
@@ -99,41 +113,56 @@ cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat
   return cv::max(spread * (2.0 * std::sqrt(w * (1.0 - w))), kLeastSpread_blocks);
 }
 
-const SectionGap* pointer_to(const std::optional<SectionGap>& gap) { return gap ? &*gap : nullptr; }
-
 }  // namespace
 
-std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection& first, const DrawnSection& second,
-                                  const DrawnSection* before, const DrawnSection* after,
+std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround& drawn,
                                   std::span<const OpenFrame> frames, const PropagateOptions& options) {
   if (frames.empty()) return {};
+  const DrawnSection& first = *drawn.first;
+  const DrawnSection& second = *drawn.second;
   const PixelGrid grid = grid_around(outlines_of(first, second), kMargin_px);
-  const std::optional<SectionGap> gap = gap_between(&first, &second);
-  const std::optional<SectionGap> gap_before = gap_between(before, &first);
-  const std::optional<SectionGap> gap_after = gap_between(&second, after);
-  const CurvedGap curved(*gap, pointer_to(gap_before), pointer_to(gap_after));
+  OutlineCrossing crossing(crossed(first), crossed(second), crossed(drawn.before), crossed(drawn.after),
+                           options.round_ends);
   const double deepest_mm = std::max(first.shape->largest_inside_mm(), second.shape->largest_inside_mm());
   const auto drawn_distances = [&](const DrawnSection& section) {
     return section_distances(*section.shape, section.place, grid, deepest_mm / block_mm(section.place, grid));
   };
 
-  const auto first_misfit = misfit(before, first, &second, drawn_distances(first), grid);
-  const auto second_misfit = misfit(&first, second, after, drawn_distances(second), grid);
+  const auto first_misfit =
+      misfit(drawn.before, first, from(drawn.second, drawn.after), drawn_distances(first), grid, options.round_ends);
+  const auto second_misfit =
+      misfit(from(drawn.first, drawn.before), second, drawn.after, drawn_distances(second), grid, options.round_ends);
   std::vector<StackFrame> stack(frames.size() + 2);
   std::vector<FilledFrame> filled(frames.size());
   const int count = static_cast<int>(frames.size());
-  cv::parallel_for_(cv::Range(-1, count + 1), [&](const cv::Range& range) {
+  const cv::Range all(-1, count + 1);
+  const auto place_of = [&](int i) -> const CarriedPlane& {
+    return i == -1 ? first.place : i == count ? second.place : frames[static_cast<std::size_t>(i)].place;
+  };
+  cv::parallel_for_(all, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const int frame = i == -1 ? first.frame : i == count ? second.frame : frames[static_cast<std::size_t>(i)].frame;
+      stack[static_cast<std::size_t>(i + 1)] = stack_frame(recording, frame, grid);
+    }
+  });
+  if (options.pixels) {
+    std::vector<CrossedFrame> seen;
+    for (int i = all.start; i < all.end; ++i) {
+      const StackFrame& frame = stack[static_cast<std::size_t>(i + 1)];
+      seen.push_back({frame.grey, frame.seen, place_of(i)});
+    }
+    crossing.find_tips(seen, grid);
+  }
+  cv::parallel_for_(all, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       StackFrame& to = stack[static_cast<std::size_t>(i + 1)];
       if (i == -1 || i == count) {
-        const DrawnSection& section = i == -1 ? first : second;
-        to = stack_frame(recording, section.frame, grid, drawn_distances(section));
+        to.distance = drawn_distances(i == -1 ? first : second);
         to.share = i == -1 ? 0.0 : 1.0;
         continue;
       }
-      const OpenFrame& frame = frames[static_cast<std::size_t>(i)];
-      const PredictedOutline predicted = predict_outline(*gap, curved, frame.place, grid, options.round_ends);
-      to = stack_frame(recording, frame.frame, grid, predicted.distance);
+      const PredictedOutline predicted = crossing.predict(place_of(i), grid);
+      to.distance = predicted.distance;
       to.spread = spread_of(predicted, first_misfit, second_misfit, options);
       to.share = predicted.share;
     }

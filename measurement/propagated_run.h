@@ -37,10 +37,17 @@ struct FilledFrame {
   double change = 0.0;
 };
 
-/// Fills frames between two drawn ones, at least one of which has an area. `before` and `after` are the drawn sections
-/// beyond them, null where there are none. Throws Error as Recording::image and grid_around.
-std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnSection& first, const DrawnSection& second,
-                                  const DrawnSection* before, const DrawnSection* after,
+/// The drawn sections that a gap lies between and those beyond them, as far as propagation leads.
+struct DrawnAround {
+  const DrawnSection* first = nullptr;
+  const DrawnSection* second = nullptr;
+  std::vector<const DrawnSection*> before;  ///< from the one next to `first` on, two at most
+  std::vector<const DrawnSection*> after;   ///< from the one next to `second` on, two at most
+};
+
+/// Fills frames between two drawn ones, at least one of which has an area. Throws Error as Recording::image and
+/// grid_around.
+std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround& drawn,
                                   std::span<const OpenFrame> frames, const PropagateOptions& options);
 
 }  // namespace fathom

@@ -99,7 +99,16 @@ SectionPart part_of(std::shared_ptr<const SectionShape> shape) {
   return part;
 }
 
-bool overlap(const SectionPart& a, const SectionPart& b) {
+std::size_t nearest(const SectionPart& part, const std::vector<SectionPart>& others) {
+  const auto closest = std::min_element(others.begin(), others.end(), [&](const SectionPart& a, const SectionPart& b) {
+    return (a.centroid_mm - part.centroid_mm).squaredNorm() < (b.centroid_mm - part.centroid_mm).squaredNorm();
+  });
+  return static_cast<std::size_t>(closest - others.begin());
+}
+
+}  // namespace
+
+bool parts_meet(const SectionPart& a, const SectionPart& b) {
   if (a.shape->kind() == SectionKind::kPoint) return b.shape->distance_mm(a.centroid_mm) >= 0.0F;
   const SectionRaster& raster = a.shape->raster();
   const Eigen::AlignedBox2d box = bounds(a.shape->outlines_mm().front());
@@ -113,15 +122,6 @@ bool overlap(const SectionPart& a, const SectionPart& b) {
   }
   return b.shape->kind() == SectionKind::kPoint && a.shape->distance_mm(b.centroid_mm) >= 0.0F;
 }
-
-std::size_t nearest(const SectionPart& part, const std::vector<SectionPart>& others) {
-  const auto closest = std::min_element(others.begin(), others.end(), [&](const SectionPart& a, const SectionPart& b) {
-    return (a.centroid_mm - part.centroid_mm).squaredNorm() < (b.centroid_mm - part.centroid_mm).squaredNorm();
-  });
-  return static_cast<std::size_t>(closest - others.begin());
-}
-
-}  // namespace
 
 std::vector<SectionPart> section_parts(const std::shared_ptr<const SectionShape>& shape) {
   if (shape->kind() == SectionKind::kAbsent) return {};
@@ -158,7 +158,7 @@ std::vector<PartPair> matching_parts(const std::shared_ptr<const SectionShape>& 
   std::vector<bool> b_overlaps(b.size(), false);
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = 0; k < b.size(); ++k) {
-      if (overlap(a[i], b[k])) joined[i][k] = a_overlaps[i] = b_overlaps[k] = true;
+      if (parts_meet(a[i], b[k])) joined[i][k] = a_overlaps[i] = b_overlaps[k] = true;
     }
   }
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -26,6 +26,9 @@ struct PartPair {
 /// The parts of a section; none where it is absent.
 std::vector<SectionPart> section_parts(const std::shared_ptr<const SectionShape>& shape);
 
+/// Whether two parts, of different sections, overlap.
+bool parts_meet(const SectionPart& a, const SectionPart& b);
+
 /// Which parts belong together: those that overlap, and for a part that overlaps none the one with the nearest
 /// centroid. A part may be in several pairs. Treece 2000, section 3.5 (there by hand).
 std::vector<PartPair> matching_parts(const std::shared_ptr<const SectionShape>& first,

@@ -28,7 +28,7 @@ struct StackRefinementOptions {
   double length_blocks = 8.0;   ///< along an outline, over which errors of the prediction are alike
   double window_blocks = 6.0;   ///< within which echoes on one side of the outline are alike
   double length_frames = 0.33;  ///< the same as the first, from frame to frame, as a share of the run
-  double evidence = 1.0;        ///< weight of the pixels against the prediction
+  double evidence = 0.4;        ///< weight of the pixels against the prediction
   int rounds = 24;
 
   /// Throws Error when a value is not positive and finite.
