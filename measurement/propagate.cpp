@@ -255,7 +255,7 @@ std::string why_nothing(const Propagation& result) {
 
 void PropagateOptions::check() const {
   if (every < 1) throw Error("propagation: every how many frames must be at least 1");
-  for (const double share : {spread_of_misfit, spread_of_change, spread_of_end}) {
+  for (const double share : {spread_of_misfit, spread_of_change, spread_of_end, spread_of_gap}) {
     if (!(share > 0.0) || !std::isfinite(share)) throw Error("propagation: the spreads must be positive");
   }
   refinement.check();

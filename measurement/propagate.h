@@ -30,6 +30,9 @@ struct PropagateOptions {
   /// The same half-way to an end, as a share of half the thickness of the part that ends; three times as much where the
   /// end is not touched.
   double spread_of_end = 0.03;
+  /// The same where no third drawn section tells how the structure bulges between two, as a share of the way between
+  /// them: a ball through two equal circles bulges by up to half of it.
+  double spread_of_gap = 0.25;
   StackRefinementOptions refinement;
 
   /// Throws Error when a value is out of range.

@@ -92,9 +92,29 @@ cv::Mat coming_or_going(const PredictedOutline& predicted) {
   return cv::min(cv::max(2.0 * share - 1.0, 0.0), 1.0);
 }
 
+/// How far the outlined place of one section is from the other's plane.
+double way_mm(const DrawnSection& from, const DrawnSection& to) {
+  Eigen::Vector2d sum_px = Eigen::Vector2d::Zero();
+  double count = 0.0;
+  for (const Polygon& outline : from.outlines_px) {
+    for (const Eigen::Vector2d& point : outline) sum_px += point;
+    count += static_cast<double>(outline.size());
+  }
+  const Eigen::Vector3d place_mm =
+      from.place.plane.at(from.place.ab_from_image * Eigen::Vector2d(sum_px / std::max(count, 1.0)));
+  return std::abs(to.place.plane.normal().dot(place_mm - to.place.plane.origin_mm));
+}
+
+/// 1 - Dice of an outline and the same one moved outward by `blocks` everywhere.
+double fault_of_growth(const cv::Mat& distance, double blocks) {
+  const double area = cv::countNonZero(distance > 0.0);
+  const double perimeter = 0.5 * cv::countNonZero(cv::abs(distance) < 1.0);
+  return perimeter * blocks / std::max(1.0, 2.0 * area + perimeter * blocks);
+}
+
 /// Standard deviation of the prediction's error around every block, pinned to 0 at the drawn sections.
 cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat>& first_misfit,
-                  const std::optional<cv::Mat>& second_misfit, const PropagateOptions& options) {
+                  const std::optional<cv::Mat>& second_misfit, double way_blocks, const PropagateOptions& options) {
   const double w = predicted.share;
   cv::Mat spread;
   if (first_misfit && second_misfit) {
@@ -106,7 +126,7 @@ cv::Mat spread_of(const PredictedOutline& predicted, const std::optional<cv::Mat
   if (!predicted.doubt.empty()) {
     spread = along_outline(options.spread_of_end * predicted.doubt, predicted.distance);
   } else if (spread.empty()) {
-    spread = along_outline(change, predicted.distance);
+    spread = cv::max(along_outline(change, predicted.distance), options.spread_of_gap * way_blocks);
   } else {
     spread = cv::max(spread, along_outline(change.mul(coming_or_going(predicted)), predicted.distance));
   }
@@ -132,6 +152,7 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround&
       misfit(drawn.before, first, from(drawn.second, drawn.after), drawn_distances(first), grid, options.round_ends);
   const auto second_misfit =
       misfit(from(drawn.first, drawn.before), second, drawn.after, drawn_distances(second), grid, options.round_ends);
+  const double way_blocks = std::min(way_mm(first, second), way_mm(second, first)) / block_mm(first.place, grid);
   std::vector<StackFrame> stack(frames.size() + 2);
   std::vector<FilledFrame> filled(frames.size());
   const int count = static_cast<int>(frames.size());
@@ -163,20 +184,28 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround&
       }
       const PredictedOutline predicted = crossing.predict(place_of(i), grid);
       to.distance = predicted.distance;
-      to.spread = spread_of(predicted, first_misfit, second_misfit, options);
+      to.spread = spread_of(predicted, first_misfit, second_misfit, way_blocks, options);
       to.share = predicted.share;
     }
   });
 
   std::vector<RefinedFrame> refined;
   if (options.pixels) refined = refine_stack(stack, options.refinement);
-  const double change = overlap_fault(stack.front().distance, stack.back().distance);
+  double change = overlap_fault(stack.front().distance, stack.back().distance);
+  // That two outlines are alike says nothing of what lies between them unless a third one shows how the structure runs.
+  // Pixels find the border only from nearby, so that they do not make up for it.
+  double untold = 0.0;
+  if (!first_misfit && !second_misfit && !first.outlines_px.empty() && !second.outlines_px.empty()) {
+    untold = fault_of_growth(stack.front().distance, options.spread_of_gap * way_blocks);
+    change = std::max(change, untold);
+  }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     FilledFrame& to = filled[i];
     to.frame = frames[i].frame;
     to.grid = grid;
     to.distance = options.pixels ? refined[i].distance : stack[i + 1].distance;
-    to.expected_error = options.pixels ? refined[i].expected_error : 0.0;
+    const double w = stack[i + 1].share;
+    to.expected_error = std::max(options.pixels ? refined[i].expected_error : 0.0, untold * std::sqrt(w * (1.0 - w)));
     to.moved = overlap_fault(to.distance, stack[i + 1].distance);
     to.change = change;
   }

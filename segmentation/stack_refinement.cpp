@@ -21,6 +21,7 @@ constexpr double kFirstBlur_blocks = 5.0;  // the outline is looked for from coa
 constexpr double kLastBlur_blocks = 1.2;
 constexpr double kLargestMove_blocks = 0.6;  // of an outline in one round
 constexpr double kGain = 0.5;                // of the way to where a round's evidence points
+constexpr double kContrastOfBorder = 0.6;    // of the learned contrast: an outline that has less is at no border
 constexpr int kCorrelationReach = 5;         // blocks, beyond which speckle is not alike
 
 cv::Mat blurred(const cv::Mat& values, double sigma) {
@@ -243,8 +244,28 @@ class Refinement {
     }
   }
 
-  /// Along the outline, what prediction and pixels together leave open.
+  /// How much of the contrast that was learned is there across the outline that was found, 0 to 1.
+  double found_contrast(const Working& work) const {
+    const Sides sides = sides_of(*work.frame, work.distance, options_.window_blocks);
+    double found = 0.0;
+    double learned = 1e-9;
+    for (int y = 0; y < work.distance.rows; ++y) {
+      for (int x = 0; x < work.distance.cols; ++x) {
+        if (std::abs(work.distance.at<float>(y, x)) >= 1.0F) continue;
+        const double contrast = work.contrast.at<float>(y, x);
+        const double weight = std::min(sides.inside_weight.at<float>(y, x), sides.outside_weight.at<float>(y, x));
+        found +=
+            weight * contrast * (static_cast<double>(sides.inside.at<float>(y, x)) - sides.outside.at<float>(y, x));
+        learned += weight * contrast * contrast;
+      }
+    }
+    return std::clamp(found / learned, 0.0, 1.0);
+  }
+
+  /// Along the outline, what prediction and pixels together leave open. Where the contrast of the drawn outlines is not
+  /// there the pixels have not shown the border, however clear they are.
   double expected_error(const Working& work) const {
+    const double shown = std::min(1.0, found_contrast(work) / kContrastOfBorder);
     double area = 0.0;
     double wrong = 0.0;
     const double strip = 2.0 * options_.length_blocks;  // blocks along the outline that move together
@@ -256,7 +277,7 @@ class Refinement {
         const double spread = work.frame->spread.at<float>(y, x);
         const double contrast = work.contrast.at<float>(y, x);
         const double evidence =
-            strip * contrast * contrast / (2.0 * variance_ * alike_) * work.frame->seen.at<float>(y, x);
+            shown * shown * strip * contrast * contrast / (2.0 * variance_ * alike_) * work.frame->seen.at<float>(y, x);
         wrong += 0.5 / (1.0 / std::max(spread, 1e-3) + evidence);
       }
     }

@@ -1,9 +1,13 @@
 #include "sim/studies/propagation_study.h"
 
+#include <algorithm>
+#include <initializer_list>
 #include <iomanip>
 #include <iostream>
 
 #include <gtest/gtest.h>
+
+#include "sim/simulate.h"
 
 namespace fathom {
 namespace {
@@ -39,6 +43,31 @@ TEST(Propagation, FillsSpeckledScenesBetterThanInterpolation) {
   for (const auto& sweep : sweeps) {
     for (const double error : sweep.volume_errors_percent) EXPECT_LT(std::abs(error), 4.0) << sweep.object;
   }
+}
+
+// Two outlines alike far apart say nothing of what lies between, whatever the pixels nearby seem to say.
+TEST(Propagation, IsNotSureBetweenTwoOutlinesFarApart) {
+  SimulateOptions options;
+  options.object = "bladder";
+  options.pattern = "linear";
+  options.frames = 16;
+  options.speckle.emplace();
+  const SimulatedScan scan = simulate(options);
+  const FrameLocator locator(*scan.recording, scan.calibration);
+  Structure drawn = scan.outlines.front();
+  const auto keep = [&](std::initializer_list<int> frames) {
+    Structure kept = drawn;
+    std::erase_if(kept.contours, [&](const Contour& contour) {
+      return std::find(frames.begin(), frames.end(), contour.frame) == frames.end();
+    });
+    kept.extremities.clear();
+    const Propagation result = propagate(*scan.recording, {kept}, &locator, {}, {}, {});
+    double surest = 0.0;
+    for (const PropagatedFrame& frame : result.frames) surest = std::max(surest, frame.confidence);
+    return surest;
+  };
+  EXPECT_LT(keep({2, 12}), kSureContour);
+  EXPECT_GT(keep({2, 4, 6, 8, 10, 12}), kSureContour) << "the more are drawn the surer";
 }
 
 TEST(PropagationStudy, FortySpeckledSweepsWithEveryEighthFrameDrawn) {
