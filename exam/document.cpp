@@ -30,7 +30,10 @@ const std::optional<Division>& Document::division() const {
   const bool stated = !content_.sweeps.empty() || !content_.planes.empty() || scan_->recordings.size() > 1;
   const std::uint64_t now = stated ? std::max(division_revision_, placement_revision_) : revision_;
   if (division_of_ != now) {
+    const bool was_divided = division_.has_value();
     division_ = division_of({content_.sweeps, content_.planes}, *scan_, content_.structures);
+    // What one structure makes of the scan holds for all of them.
+    if (division_of_ != 0 && division_.has_value() != was_divided) division_revision_ = revision_;
     division_of_ = now;
   }
   return division_;

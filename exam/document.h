@@ -253,7 +253,7 @@ class Document {
   std::uint64_t next_id_ = 1;
   std::uint64_t revision_ = 1;
   std::vector<std::uint64_t> structure_revisions_;
-  std::uint64_t division_revision_ = 1;
+  mutable std::uint64_t division_revision_ = 1;  ///< also when outlines make one sweep several, seen by division()
   std::uint64_t placement_revision_ = 1;
   mutable std::optional<Division> division_;
   mutable std::uint64_t division_of_ = 0;  ///< revision that division_ was made at; 0: not made
