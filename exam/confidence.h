@@ -31,9 +31,9 @@ struct ConfidenceOptions {
 };
 
 /// `sections` are those of `structure`. Nothing is known of a structure without a volume. Throws Error as
-/// calibration_spread_ml.
+/// calibration_spread_ml; Cancelled.
 Confidence confidence(const Structure& structure, std::span<const CrossSection> sections, const Recording& recording,
-                      const FrameLocator& locator, const ConfidenceOptions& options);
+                      const FrameLocator& locator, const ConfidenceOptions& options, const Progress& progress = {});
 
 /// The frame to outline next, where that would make the volume surer by so much that it is worth a stroke.
 std::optional<NextOutline> next_worth_outlining(const Confidence& confidence);

@@ -32,7 +32,7 @@ std::vector<PlacedSections> placed_sections(const Structure& structure, const Sc
 }  // namespace
 
 Confidence divided_confidence(const Structure& structure, const Scan& scan, const Division& division,
-                              const MeasurementErrors& errors) {
+                              const MeasurementErrors& errors, const Progress& progress) {
   const auto measured = [&](std::span<const FrameLocator> locators) {
     return measure_partitions(structure, locators, division.sweeps, division.partition);
   };
@@ -42,10 +42,11 @@ Confidence divided_confidence(const Structure& structure, const Scan& scan, cons
   double missing_ml = 0.0;
   for (const PartitionVolume& part : volume.partitions) missing_ml += part.missing_ml;
   const auto calibration_ml = calibration_spread_ml(scan.calibration, [&](const Calibration& calibration) {
+    report(progress, 0.0);
     return measured(locators_with(scan, calibration)).total.quadric_ml;
   });
   result.interval = divided_interval(placed_sections(structure, scan, division), division.partition, errors,
-                                     calibration_ml.value_or(0.0), missing_ml);
+                                     calibration_ml.value_or(0.0), missing_ml, progress);
   return result;
 }
 

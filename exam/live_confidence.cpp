@@ -63,14 +63,14 @@ void LiveConfidences::start(std::size_t structure, Item& of, std::uint64_t revis
   job.key = of.key;
   job.title = "Interval of " + outlined.name;
   job.work = [scan = document_.scan(), division = document_.division(), outlined,
-              deliver](const Progress&) -> std::function<void()> {
+              deliver](const Progress& progress) -> std::function<void()> {
     if (division) {
-      return [made = divided_confidence(outlined, *scan, *division, {}), deliver] { deliver(made, {}); };
+      return [made = divided_confidence(outlined, *scan, *division, {}, progress), deliver] { deliver(made, {}); };
     }
     const FrameLocator& locator = scan->locators.front();
     const std::vector<CrossSection> sections = cross_sections(outlined, locator, nullptr);
-    Confidence made =
-        confidence(outlined, sections, *scan->recordings.front(), locator, {scan->calibration, scan->names, {}});
+    Confidence made = confidence(outlined, sections, *scan->recordings.front(), locator,
+                                 {scan->calibration, scan->names, {}}, progress);
     return [made = std::move(made), deliver] { deliver(made, {}); };
   };
   job.failed = [deliver](const std::string& error) { deliver({}, error); };

@@ -13,8 +13,10 @@ namespace fathom {
 namespace {
 
 constexpr double kNegligible = 0.01;  // of the volume
-constexpr double kStep_mm = 0.01;     // far below any outline's detail, far above rounding
-constexpr double kStep_rad = 1e-4;    // the same at 100 mm from the sensor
+// Changes are taken over steps as large as the errors themselves, since the volume jumps where a section just leaves a
+// part of space; never over less than is far above rounding.
+constexpr double kStep_mm = 0.01;
+constexpr double kStep_rad = 1e-4;
 
 struct Region {
   std::size_t region = 0;
@@ -36,6 +38,12 @@ class DividedVolume {
  public:
   DividedVolume(std::span<const PlacedSections> sweeps, const SpacePartition& partition)
       : sweeps_(sweeps), partition_(partition) {
+    for (const PlacedSections& sweep : sweeps) {
+      bare_.emplace_back();
+      for (const SectionOutline& section : sweep.sections) {
+        bare_.back().push_back({section.whole, std::vector<Polygon3>(section.outlines.empty() ? 0 : 1)});
+      }
+    }
     for (std::size_t region = 0; region < partition.region_count(); ++region) {
       const auto cell = std::find_if(partition.cells().begin(), partition.cells().end(),
                                      [&](const auto& candidate) { return candidate.region == region; });
@@ -59,8 +67,7 @@ class DividedVolume {
   // What the volume changes by with another section in the place of one of sweep `sweep`.
   double change_mm3(std::size_t sweep, std::size_t index, const SectionOutline& by) const {
     double change = 0.0;
-    std::vector<SectionOutline> sections = sweeps_[sweep].sections;
-    sections[index] = by;
+    const std::vector<SectionOutline>& sections = bare_[sweep];
     for (const Region& region : regions_) {
       if (region.sweep != sweep) continue;
       std::vector<CrossSection> clipped = region.clipped;
@@ -81,7 +88,7 @@ class DividedVolume {
     double change = 0.0;
     for (const Region& region : regions_) {
       if (region.sweep != sweep || !is_inner(region, index)) continue;
-      std::vector<SectionOutline> rest = sweeps_[sweep].sections;
+      std::vector<SectionOutline> rest = bare_[sweep];
       std::vector<CrossSection> clipped = region.clipped;
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(index));
       clipped.erase(clipped.begin() + static_cast<std::ptrdiff_t>(index));
@@ -102,6 +109,7 @@ class DividedVolume {
 
   std::span<const PlacedSections> sweeps_;
   const SpacePartition& partition_;
+  std::vector<std::vector<SectionOutline>> bare_;  // each sweep's, without the points of its outlines
   std::vector<Region> regions_;
   double volume_mm3_ = 0.0;
 };
@@ -110,13 +118,16 @@ class DividedVolume {
 double tracker_mm6(const DividedVolume& volume, std::size_t sweep, std::size_t index, const PlacedSections& of,
                    const MeasurementErrors& errors) {
   const double turn_rad = errors.tracker_deg * std::numbers::pi / 180.0;
+  if (!(errors.tracker_mm > 0.0) && !(turn_rad > 0.0)) return 0.0;
+  const double step_mm = std::max(kStep_mm, errors.tracker_mm);
+  const double step_rad = std::max(kStep_rad, turn_rad);
   double sum = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis);
-    const double by_shift = volume.slope(sweep, index, kStep_mm, [&](double step) {
+    const double by_shift = volume.slope(sweep, index, step_mm, [&](double step) {
       return moved(of.sections[index], Eigen::Isometry3d(Eigen::Translation3d(step * along)));
     });
-    const double by_turn = volume.slope(sweep, index, kStep_rad, [&](double step) {
+    const double by_turn = volume.slope(sweep, index, step_rad, [&](double step) {
       const Eigen::Translation3d probe(of.probes_mm[index]);
       return moved(of.sections[index], Eigen::Isometry3d(probe * Eigen::AngleAxisd(step, along) * probe.inverse()));
     });
@@ -129,19 +140,22 @@ double tracker_mm6(const DividedVolume& volume, std::size_t sweep, std::size_t i
 
 std::optional<VolumeInterval> divided_interval(std::span<const PlacedSections> sweeps, const SpacePartition& partition,
                                                const MeasurementErrors& errors, double calibration_ml,
-                                               double missing_ml) {
+                                               double missing_ml, const Progress& progress) {
   const DividedVolume volume(sweeps, partition);
   if (!(volume.whole_mm3() > 0.0) || !volume.has_enough_sections()) return std::nullopt;
   VolumeVariances found;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     assert(sweeps[s].sections.size() == sweeps[s].probes_mm.size());
     for (std::size_t i = 0; i < sweeps[s].sections.size(); ++i) {
+      report(progress, static_cast<double>(s) / static_cast<double>(sweeps.size()));
       const double left_out = volume.left_out_mm3(s, i);
       found.left_out_mm6 += left_out * left_out;
-      const double by_outline = errors.outline_mm.value_or(0.0) * volume.slope(s, i, kStep_mm, [&](double step) {
-        return grown(sweeps[s].sections[i], step);
-      });
-      found.outlining_mm6 += by_outline * by_outline;
+      if (const double outline_mm = errors.outline_mm.value_or(0.0); outline_mm > 0.0) {
+        const double by_outline = outline_mm * volume.slope(s, i, std::max(kStep_mm, outline_mm), [&](double step) {
+          return grown(sweeps[s].sections[i], step);
+        });
+        found.outlining_mm6 += by_outline * by_outline;
+      }
       found.tracker_mm6 += tracker_mm6(volume, s, i, sweeps[s], errors);
     }
   }

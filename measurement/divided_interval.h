@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/progress.h"
 #include "measurement/section_outline.h"
 #include "measurement/volume_interval.h"
 #include "registration/partition.h"
@@ -23,9 +24,9 @@ struct PlacedSections {
 /// anew among the regions. `calibration_ml` is the standard deviation that the calibration brings in; `missing_ml`,
 /// which the sections are estimated to stop short of the planes, is added to the upper end.
 ///
-/// Empty where a region with more than 1 % of the volume has fewer than four sections.
+/// Empty where a region with more than 1 % of the volume has fewer than four sections. Throws Cancelled.
 std::optional<VolumeInterval> divided_interval(std::span<const PlacedSections> sweeps, const SpacePartition& partition,
                                                const MeasurementErrors& errors, double calibration_ml,
-                                               double missing_ml);
+                                               double missing_ml, const Progress& progress = {});
 
 }  // namespace fathom

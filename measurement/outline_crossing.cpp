@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace fathom {
 
@@ -10,6 +11,7 @@ namespace {
 constexpr double kInside_blocks = 0.5;   // nearer to an outline blocks belong to neither side
 constexpr double kOutside_blocks = 1.5;  // the resolution blurs a part's echoes into what is around it
 constexpr double kAround_blocks = 8.0;   // how far beside a part its surroundings are looked at
+constexpr double kFewest_blocks = 4.0;   // of a drawn part, to know how bright it is
 
 PlacedSection placed(const CrossedSection& section) { return {section.place.plane, section.shape}; }
 
@@ -57,19 +59,21 @@ Seen seen_of(const TaperedEnd::OpenPart& part, const Eigen::Vector2d& drift_mm, 
 }
 
 /// How far a part reaches, of the way from the first of `frames`, on which it is drawn, to the last: most probably,
-/// when what is seen of it is either the drawn contrast or none, with the same scatter.
-double reach_of(const TaperedEnd::OpenPart& part, const std::vector<const CrossedFrame*>& frames,
-                const PixelGrid& grid) {
+/// when what is seen of it is either the drawn contrast or none, with the same scatter. Empty where the drawn part is
+/// not seen itself, so that nothing can be missed elsewhere.
+std::optional<double> reach_of(const TaperedEnd::OpenPart& part, const std::vector<const CrossedFrame*>& frames,
+                               const PixelGrid& grid) {
   const Eigen::Vector2d middle_mm = part.shape->inside_discs().front().centre_mm;
   const SectionPlane& from = frames.front()->place.plane;
   const auto ahead_mm = [&](const CrossedFrame& frame) {
     return from.normal().dot(frame.place.plane.at(middle_mm) - from.at(middle_mm));
   };
   const double whole_mm = ahead_mm(*frames.back());
-  if (whole_mm == 0.0) return 0.5;
+  if (whole_mm == 0.0) return std::nullopt;
   std::vector<double> ways;
   for (const CrossedFrame* frame : frames) ways.push_back(ahead_mm(*frame) / whole_mm);
   const Seen drawn = seen_of(part, Eigen::Vector2d::Zero(), *frames.front(), grid);
+  if (drawn.blocks < kFewest_blocks || drawn.contrast == 0.0) return std::nullopt;
   double best = 0.0;
   double sum = 0.0;
   double reach = 0.5 * ways[1];
@@ -85,7 +89,7 @@ double reach_of(const TaperedEnd::OpenPart& part, const std::vector<const Crosse
 
 void find_tips_of(TaperedEnd& end, const std::vector<const CrossedFrame*>& frames, const PixelGrid& grid) {
   for (const TaperedEnd::OpenPart& part : end.open_parts()) {
-    end.end_at(part.index, 1.0 - reach_of(part, frames, grid));
+    if (const auto reach = reach_of(part, frames, grid)) end.end_at(part.index, 1.0 - *reach);
   }
 }
 

@@ -120,7 +120,7 @@ std::vector<OpenFrame> open_frames(const Recording& recording, const Places& pla
 }
 
 Filled fill(const Structure& structure, const Recording& recording, const Places& places, std::span<const Sweep> sweeps,
-            const PropagateOptions& options, std::vector<std::string>& refused, const Progress& progress) {
+            bool placed, const PropagateOptions& options, std::vector<std::string>& refused, const Progress& progress) {
   Filled result;
   result.drawn = drawn_sections(structure, recording, places);
   const auto& drawn = result.drawn;
@@ -138,7 +138,7 @@ Filled fill(const Structure& structure, const Recording& recording, const Places
       continue;
     }
     const auto open = open_frames(recording, places, first.frame, second.frame, options.every);
-    DrawnAround around{&first, &second, {}, {}};
+    DrawnAround around{&first, &second, {}, {}, placed};
     for (std::size_t k = i; k > 0 && k + 1 >= i && joined(k - 1); --k) around.before.push_back(&drawn[k - 1]);
     for (std::size_t k = i + 1; around.after.size() < 2 && joined(k); ++k) around.after.push_back(&drawn[k + 1]);
     auto filled = fill_run(recording, around, open, options);
@@ -284,7 +284,8 @@ Propagation propagate(const Recording& recording, const std::vector<Structure>& 
     const Progress part = part_of(progress, static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
     Filled one;
     if (wanted) {
-      one = fill(result.structures.back(), recording, places, sweeps, options, result.refused, part);
+      one =
+          fill(result.structures.back(), recording, places, sweeps, locator != nullptr, options, result.refused, part);
     } else {
       one.drawn = drawn_sections(result.structures.back(), recording, places);
     }

@@ -17,7 +17,8 @@ constexpr double kMargin_px = 40.0;  // around the drawn outlines, where parts b
 constexpr double kLeastSpread_blocks = 0.1;
 constexpr double kBand_blocks = 8.0;  // beside an outline, where its errors and changes count
 constexpr double kWindow_blocks = 6.0;
-constexpr int kNeighbourhood_blocks = 17;  // in which a part is as thick as its deepest place
+constexpr double kUntoldWithoutPoses = 0.4;  // 1 - Dice: how far apart the drawn frames are is not known
+constexpr int kNeighbourhood_blocks = 17;    // in which a part is as thick as its deepest place
 
 double overlap_fault(const cv::Mat& a, const cv::Mat& b) {
   const cv::Mat in_a = a > 0.0;
@@ -197,6 +198,7 @@ std::vector<FilledFrame> fill_run(const Recording& recording, const DrawnAround&
   double untold = 0.0;
   if (!first_misfit && !second_misfit && !first.outlines_px.empty() && !second.outlines_px.empty()) {
     untold = fault_of_growth(stack.front().distance, options.spread_of_gap * way_blocks);
+    if (!drawn.placed) untold = std::max(untold, kUntoldWithoutPoses);
     change = std::max(change, untold);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -43,6 +43,7 @@ struct DrawnAround {
   const DrawnSection* second = nullptr;
   std::vector<const DrawnSection*> before;  ///< from the one next to `first` on, two at most
   std::vector<const DrawnSection*> after;   ///< from the one next to `second` on, two at most
+  bool placed = true;                       ///< false: how far the frames are apart is not known
 };
 
 /// Fills frames between two drawn ones, at least one of which has an area. Throws Error as Recording::image and

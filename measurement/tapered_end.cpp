@@ -63,10 +63,18 @@ const SectionPart* continued(const std::vector<SectionPart>& parts, std::size_t 
                             [&](const SectionPart& a, const SectionPart& b) { return off(a) < off(b); });
 }
 
-/// The tip of the parabola through the areas, or of the straight line through two of them, between the planes; empty
-/// where they have none. `known` starts with the nearest section, at 1.
-std::optional<double> tip_of(const std::vector<Farther>& known) {
-  if (known.size() < 2) return std::nullopt;
+/// Where a part that nothing touches ends, and how that is doubted.
+struct Tip {
+  double way = 0.5;
+  double doubt = kDoubtOfNoTip;
+  bool found = false;
+};
+
+/// The tip of the parabola through the areas, or of the straight line through two of them. Where it lies beyond the
+/// planes, the nearer one: more is not known then. Half-way where there is none. `known` starts with the nearest
+/// section, at 1.
+Tip tip_of(const std::vector<Farther>& known) {
+  if (known.size() < 2) return {};
   const double rise = (known[1].area - known[0].area) / (known[1].w - known[0].w);
   double bend = 0.0;
   if (known.size() > 2) {
@@ -75,10 +83,11 @@ std::optional<double> tip_of(const std::vector<Farther>& known) {
   }
   // A + slope t + bend t^2 = 0, t back from the section.
   const double slope = rise - bend * (known[1].w - known[0].w);
-  if (!(slope > 0.0)) return std::nullopt;
+  if (!(slope > 0.0)) return {};
   const double root = slope * slope - 4.0 * bend * known[0].area;
   const double back = root < 0.0 ? slope / (2.0 * bend) : 2.0 * known[0].area / (slope + std::sqrt(root));
-  return std::clamp(1.0 - back, kTipMargin, 1.0 - kTipMargin);
+  const bool between = back < 1.0;
+  return {std::clamp(1.0 - back, kTipMargin, 1.0 - kTipMargin), between ? 1.0 : kDoubtOfNoTip, true};
 }
 
 /// Whether a part whose tip is at 0 keeps its area rather than shrinks to another end, as the third of `sections`
@@ -143,9 +152,9 @@ TaperedEnd::TaperedEnd(const PlacedSection& end, std::span<const PlacedSection> 
     Part part;
     part.shape = own->shape;
     part.centre_mm = own->centroid_mm;
-    const std::optional<double> tip = is_touched ? 0.0 : tip_of(known);
-    part.tip = tip.value_or(0.5);
-    part.doubt = tip ? 1.0 : kDoubtOfNoTip;
+    const Tip tip = is_touched ? Tip{0.0, 1.0, true} : tip_of(known);
+    part.tip = tip.way;
+    part.doubt = tip.doubt;
     const bool more = known.size() > 1;
     if (more) {
       // Through the tip and two sections.
@@ -164,7 +173,7 @@ TaperedEnd::TaperedEnd(const PlacedSection& end, std::span<const PlacedSection> 
     const bool even =
         ball < 1.0 &&
         (!more || (is_touched ? goes_on(known, sections.size()) : known[1].area < kMostOfEven * known[0].area));
-    part.open = !is_touched && (even || !tip);
+    part.open = !is_touched && (even || !tip.found);
     if (even) {
       part.grown = ball;
       part.slope = 2.0;

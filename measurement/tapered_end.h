@@ -16,7 +16,7 @@ namespace fathom {
 /// Every part of the section shrinks without changing its shape: its area follows the parabola that the areas of the
 /// sections on the other side continue, its centre their centres, down to the point that is touched. Both are exact for
 /// ellipsoids and elliptic paraboloids cut by parallel planes. Where nothing is touched the part ends where the
-/// parabola does, or half-way if it does not end between the planes.
+/// parabola does, or at the end's plane if that lies beyond, with more doubt; half-way if the parabola has no end.
 class TaperedEnd {
  public:
   /// `sections` are the outlined ones from the end on, the nearest first: at least one, and no more than three count.

@@ -111,7 +111,8 @@ Polygon wire_line(const EdgeMap& map, const EdgePreference& preference, std::spa
     if ((point - ends.from).norm() > apart && (point - ends.to).norm() > apart) line.push_back(point);
   }
   line.push_back(ends.to);
-  if (line.size() < 4) return {ends.from, ends.to};
+  // Evenly spaced as well, for it says how the lines beside it begin and end.
+  if (line.size() < 4) return ends.from == ends.to ? Polygon{ends.from, ends.to} : evenly_spaced({ends.from, ends.to});
   const auto before = ends.before.last(std::min(ends.before.size(), kNeighbours));
   const auto behind = ends.behind.first(std::min(ends.behind.size(), kNeighbours));
   for (const Round& round : kRounds) {

@@ -24,6 +24,20 @@ TEST(LeastBent, AStretchWithoutWeightGoesOnAsAnArc) {
   for (const Eigen::Vector2d& point : line) EXPECT_NEAR(point.norm(), kRadius_px, 0.3);
 }
 
+// Where nothing is seen between two seeds the points stay on their parabola, however coarse the edges' scale makes it.
+TEST(LeastBent, IsNeverLeftToRounding) {
+  for (const double stiffness : {5e6, 6e7, 1.3e9, 2e13}) {
+    for (const int count : {4, 10, 50, 500}) {
+      std::vector<WantedPoint> wanted;
+      for (int i = 0; i < count; ++i) wanted.push_back({{2.0 * i, 1e-3 * i * (count - 1 - i)}, 1e-6});
+      const Polygon line = least_bent(wanted, stiffness);
+      for (std::size_t i = 0; i < line.size(); ++i) {
+        EXPECT_NEAR((line[i] - wanted[i].place_px).norm(), 0.0, 0.5) << stiffness << " " << count << " " << i;
+      }
+    }
+  }
+}
+
 TEST(LeastBent, BendsShorterThanTheStiffnessAllowsAreEvenedOutByTheirFilter) {
   // Of a wave of frequency w, third differences leave 1 / (1 + stiffness (2 sin(w / 2))^6), far from the ends.
   for (const double wave_points : {10.0, 20.0, 40.0}) {
