@@ -1,7 +1,13 @@
 #include "viewer/assist_tool.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "segmentation/outline_mask.h"
 
 namespace fathom {
 
@@ -32,6 +38,19 @@ std::vector<Polygon> outlines_here(const Session& session) {
     if (is_moved(session, contour)) outlines.push_back(contour.points_px);
   }
   return outlines;
+}
+
+// Whether the outline encloses pixels that the proposed ones, by even-odd, enclose too.
+bool shares_area(const Polygon& outline, const std::vector<Polygon>& proposed) {
+  Eigen::AlignedBox2d box;
+  for (const Polygon& line : proposed) {
+    for (const Eigen::Vector2d& point : line) box.extend(point);
+  }
+  const Eigen::Vector2i low = box.min().array().floor().cast<int>();
+  const Eigen::Vector2i high = box.max().array().ceil().cast<int>();
+  const cv::Rect window(cv::Point(low.x(), low.y()), cv::Point(high.x() + 1, high.y() + 1));
+  const cv::Mat both = outline_mask(proposed, window) & outline_mask(std::span(&outline, 1), window);
+  return cv::countNonZero(both) > 0;
 }
 
 bool is_on(const cv::Mat& image, const Eigen::Vector2d& at_px) {
@@ -132,8 +151,11 @@ void AssistTool::finish(Session& session) {
     Document& document = *session.document();
     document.begin_action(words.action);
     const std::size_t structure = session.require_structure();
-    for (std::size_t i = document.structures()[structure].contours.size(); place_.tool == Tool::kRefine && i-- > 0;) {
-      if (is_moved(session, document.structures()[structure].contours[i])) document.remove_contour(structure, i);
+    // Outlines combine by even-odd: over an older one the new one would make a ring of both.
+    for (std::size_t i = document.structures()[structure].contours.size(); i-- > 0;) {
+      const Contour& old = document.structures()[structure].contours[i];
+      if (!is_moved(session, old)) continue;
+      if (place_.tool == Tool::kRefine || shares_area(old.points_px, outlines)) document.remove_contour(structure, i);
     }
     for (const Polygon& outline : outlines) {
       Contour contour;

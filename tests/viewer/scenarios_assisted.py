@@ -130,6 +130,27 @@ def region_grows_from_seeds(viewer, shared):
     assert run.state()["view"]["preview"] == [] and run.picture().differs(run.picture("empty")) > 100
 
 
+def region_taken_again_replaces_what_it_covers(viewer, shared):
+    truth, inside = shared.outlines[5], middle(shared.outlines[5])
+    small = [[inside[i] + (p[i] - inside[i]) * 0.6 for i in range(2)] for p in truth[::8]]
+    apart = [[20, 20], [40, 20], [40, 40], [20, 40]]
+    drawn = viewer.folder / "drawn.json"
+    drawn.write_text(json.dumps({"fathom_contours": 1, "structures": [{"name": "bladder", "contours": [
+        {"frame": f, "closed": True, "points": points} for f, points in ((4, small), (5, small), (5, apart))]}]}))
+    take = [{"click": at(*inside)}, IDLE, {"click": "Take"}, IDLE]
+    wider = {"drag": [{"item": "tolerance", "at": [0.3, 0.5]}, {"item": "tolerance", "at": [0.8, 0.5]}]}
+    run = viewer.run(*recording(shared), "--contours", drawn, events=[
+        IDLE, *go_to(5), {"click": "Region"}, *take, {"dump": "once.json"}, wider, *take, DUMP, {"key": "Ctrl+Z"},
+        {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
+    for name in ("once", "state"):
+        here = [c["points"] for c in structure(run.state(name))["contours"] if c["frame"] == 5]
+        assert len(here) == 2 and apart in here, f"{name}: {len(here)} outlines"
+        (taken,) = [points for points in here if points != apart]
+        assert abs(area(taken) / area(truth) - 1) < 0.02, name
+        assert small in [c["points"] for c in structure(run.state(name))["contours"] if c["frame"] == 4]
+    assert len(structure(run.state("undone"))["contours"]) == 3
+
+
 def region_without_a_border_is_a_message(viewer, shared):
     run = viewer.run(*recording(shared), events=[
         IDLE, *go_to(0), {"key": "K"}, {"click": at(30, 30)}, IDLE, {"key": "Enter"}, IDLE, DUMP,
@@ -240,6 +261,6 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
 
 SCENARIOS = [
     bladder_outlined_by_wire, wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
-    region_without_a_border_is_a_message, threshold_follows_its_sliders, outline_is_refined,
+    region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders, outline_is_refined,
     filled_between_outlines, unsure_outlines_are_shown_and_mended,
 ]
