@@ -2,6 +2,7 @@
 next, missing ends, opacity, pictures of panes, simulated sources."""
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -172,6 +173,19 @@ def picture_without_names_shows_only_what_is_free_of_them(viewer, shared):
     width, height, pixels = decode(files[3].read_bytes())
     status = pixels[3 * width * (height - 12):3 * width * (height - 11)]
     assert len({status[i:i + 3] for i in range(0, len(status), 3)}) == 1, "the exam's name is shown"
+    # Without a calibration, and where nothing is open: pictures are the same whatever files are called.
+    pictures = []
+    for name in ("smith", "eleanor-rigby"):
+        scan = viewer.folder / f"{name}.mha"
+        shutil.copy(shared.scan, scan)
+        shutil.copy(shared.calibration, scan.with_suffix(".calibration.json"))
+        files = [viewer.folder / f"{name}-{what}.png" for what in ("opened", "closed")]
+        viewer.run(scan, window=window, events=[
+            IDLE, {"frames": 3}, *ask_for_picture(files[0], "Window", True), {"key": "Ctrl+W"}, IDLE, {"frames": 3},
+            *ask_for_picture(files[1], "Window")])
+        pictures.append([decode(file.read_bytes()) for file in files])
+    for what in range(2):
+        assert pictures[0][what] == pictures[1][what], "the picture tells a file's name"
 
 
 # Live.
