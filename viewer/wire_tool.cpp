@@ -17,11 +17,16 @@ constexpr double kOnLine = 0.5;
 
 }  // namespace
 
+bool WireTool::is_of_shown_frame(const Session& session) const {
+  const Document* document = session.document();
+  return document != nullptr && scan_.lock() == document->scan() && recording_ == session.view.recording &&
+         frame_ == session.view.frame;
+}
+
 void WireTool::prepare(Session& session, const cv::Mat& image) {
   const ViewState& view = session.view;
-  const auto scan = session.document()->scan();
-  if (scan_.lock() == scan && recording_ == view.recording && frame_ == view.frame) return;
-  scan_ = scan;
+  if (is_of_shown_frame(session)) return;
+  scan_ = session.document()->scan();
   recording_ = view.recording;
   frame_ = view.frame;
   wire_ = nullptr;
@@ -66,7 +71,7 @@ void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& i
 }
 
 bool WireTool::undo(Session& session) {
-  if (!wire_ || wire_->seeds().empty() || !wire_->undo()) return false;
+  if (!wire_ || !is_of_shown_frame(session) || wire_->seeds().empty() || !wire_->undo()) return false;
   show(session);
   return true;
 }
@@ -78,7 +83,7 @@ void WireTool::give_up(Session& session) {
 }
 
 void WireTool::finish(Session& session) {
-  if (!wire_ || wire_->seeds().size() < 2) return;
+  if (!wire_ || !is_of_shown_frame(session) || wire_->seeds().size() < 2) return;
   const bool closed = session.attempt("wire", [&] { wire_->close(); });
   if (!closed) return;
   session.view.line_px = wire_->line();

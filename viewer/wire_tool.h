@@ -25,6 +25,8 @@ class WireTool : public StepTool {
   void give_up(Session& session) override;
 
  private:
+  // While another frame is shown and its image not yet there, the line is of the one before.
+  bool is_of_shown_frame(const Session& session) const;
   void prepare(Session& session, const cv::Mat& image);
   void show(Session& session);
 

@@ -81,6 +81,21 @@ def bladder_outlined_by_wire(viewer, shared):
     assert run.state("without")["document"]["structures"] == [], "the outline is not one action"
 
 
+def wire_of_one_frame_becomes_no_outline_on_the_next(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    clicks = [{"click": at(*seed)} for seed in bladder.seeds(8, 6)[:4]]
+    ways = [[{"key": "Right"}, {"key": "Enter"}], [{"key": "Left"}, {"key": "Backspace"}, {"key": "Enter"}]]
+    events = [IDLE, *bladder.show(8), {"key": "E"}, {"move": clicks[0]["click"]}, IDLE]
+    for number, way in enumerate(ways):
+        events += [*clicks, {"dump": f"line{number}.json"}, *way, IDLE, {"dump": f"left{number}.json"}, {"key": "Enter"},
+                   *bladder.show(8)]
+    run = viewer.run(*bladder.recording(), events=events)
+    for number in range(len(ways)):
+        assert len(run.state(f"line{number}")["view"]["line"]) > 10
+        left = run.state(f"left{number}")
+        assert left["view"]["frame"] != 8 and left["view"]["line"] == [] and left["document"]["edits"] == 0
+
+
 def wire_taken_back_to_where_it_is_clicked(viewer, shared):
     bladder = Bladder(viewer, shared)
     seeds = bladder.seeds(8, 6)
@@ -260,7 +275,8 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
 
 
 SCENARIOS = [
-    bladder_outlined_by_wire, wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
+    bladder_outlined_by_wire, wire_of_one_frame_becomes_no_outline_on_the_next,
+    wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
     region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders, outline_is_refined,
     filled_between_outlines, unsure_outlines_are_shown_and_mended,
 ]
