@@ -1,6 +1,7 @@
 #include "viewer/assist_tool.h"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -57,6 +58,13 @@ bool is_on(const cv::Mat& image, const Eigen::Vector2d& at_px) {
   return at_px.x() >= -0.5 && at_px.y() >= -0.5 && at_px.x() <= image.cols - 0.5 && at_px.y() <= image.rows - 0.5;
 }
 
+// A limit at the end of its slider is none: other frames may have darker and brighter places than the first one shown.
+AssistOptions without_limits_at_ends(const ViewState& view, AssistOptions options) {
+  if (options.low <= view.grey_low) options.low = std::numeric_limits<float>::lowest();
+  if (options.high >= view.grey_high) options.high = std::numeric_limits<float>::infinity();
+  return options;
+}
+
 }  // namespace
 
 bool AssistTool::Place::operator==(const Place& other) const {
@@ -110,7 +118,8 @@ void AssistTool::ask(Session& session, Question question, const cv::Mat& image) 
   forget(session);
   asked_any_ = true;
   asked_ = std::move(question);
-  AssistInput input{place_.tool, image.clone(), asked_.options, asked_.seeds_px, outlines_here(session)};
+  AssistInput input{place_.tool, image.clone(), without_limits_at_ends(session.view, asked_.options), asked_.seeds_px,
+                    outlines_here(session)};
   const auto work = [this, &session, number = number_,
                      input = std::move(input)](const Progress&) -> std::function<void()> {
     std::vector<Polygon> outlines = assist_preview(input);

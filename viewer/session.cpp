@@ -72,6 +72,8 @@ void Session::take_document(std::unique_ptr<Document> document, const std::files
   view = ViewState();
   view.brush_px = before.brush_px;
   view.assist = before.assist;
+  view.assist.low = AssistOptions().low;  // grey values of one recording say nothing of another's
+  view.assist.high = AssistOptions().high;
   view.show_surfaces = before.show_surfaces;
   if (const RecordingHeader* shown = header(); shown != nullptr && shown->frame_count() > 0) {
     // The outlined part is what one wants to see; else the middle.

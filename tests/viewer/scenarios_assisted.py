@@ -201,6 +201,31 @@ def threshold_follows_its_sliders(viewer, shared):
     assert run.state()["document"]["edits_done"] == 1
 
 
+def threshold_at_its_ends_has_no_limits(viewer, shared):
+    """16 bits: the frame that is shown first is darker than the other, of which all bright values must be taken."""
+    square = lambda value: b"".join(  # noqa: E731
+        (value if 50 <= x < 110 and 40 <= y < 90 else 100).to_bytes(2, "little") for y in range(120) for x in range(160))
+    fields = "".join(
+        f"Seq_Frame000{i}_Timestamp = {i}\nSeq_Frame000{i}_ProbeToTrackerTransformStatus = OK\n"
+        f"Seq_Frame000{i}_ProbeToTrackerTransform = 1 0 0 0 0 1 0 0 0 0 1 {i} 0 0 0 1\n" for i in range(2))
+    dark = viewer.folder / "dark.mha"
+    dark.write_bytes(
+        b"ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+        b"DimSize = 160 120 2\nElementType = MET_USHORT\nUltrasoundImageOrientation = MFA\n"
+        + fields.encode() + b"ElementDataFile = LOCAL\n" + square(2500) + square(1000))
+    truth = shared.outlines[5]
+    run = viewer.run(dark, events=[
+        IDLE, {"key": "I"}, IDLE, {"dump": "first.json"}, {"key": "Left"}, IDLE, {"dump": "bright.json"},
+        {"drag": [{"item": "low", "at": [0.5, 0.5]}, {"item": "low", "at": [0.0, 0.5]}]}, IDLE, {"dump": "all.json"},
+        {"drop": str(shared.scan)}, IDLE, *go_to(5), {"key": "I"}, IDLE, DUMP])
+    assert run.state("first")["view"]["frame"] == 1 and run.state("bright")["view"]["frame"] == 0
+    for name, wanted_px in (("first", 60 * 50), ("bright", 60 * 50), ("all", 160 * 120)):
+        areas = [area(outline) for outline in run.state(name)["view"]["preview"]]
+        assert len(areas) == 1 and abs(areas[0] / wanted_px - 1) < 0.15, f"{name}: {areas}"
+    (found,) = run.state()["view"]["preview"]
+    assert abs(area(found) / area(truth) - 1) < 0.02, "the limits are those of the recording that was open before"
+
+
 def outline_is_refined(viewer, shared):
     bladder = Bladder(viewer, shared)
     truth = bladder.outlines[8]
@@ -277,6 +302,6 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
 SCENARIOS = [
     bladder_outlined_by_wire, wire_of_one_frame_becomes_no_outline_on_the_next,
     wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
-    region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders, outline_is_refined,
+    region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders, threshold_at_its_ends_has_no_limits, outline_is_refined,
     filled_between_outlines, unsure_outlines_are_shown_and_mended,
 ]
