@@ -31,12 +31,16 @@ bool is_moved(const Session& session, const Contour& contour) {
   return contour.closed && contour.frame == session.view.frame && contour.recording == session.view.recording;
 }
 
-std::vector<Polygon> outlines_here(const Session& session) {
+// Closed ones on the shown frame: of the active structure, or of all others.
+std::vector<Polygon> outlines_here(const Session& session, bool of_active) {
   std::vector<Polygon> outlines;
   const auto active = session.active_structure();
-  if (!active) return outlines;
-  for (const Contour& contour : session.document()->structures()[*active].contours) {
-    if (is_moved(session, contour)) outlines.push_back(contour.points_px);
+  const std::vector<Structure>& structures = session.document()->structures();
+  for (std::size_t i = 0; i < structures.size(); ++i) {
+    if ((i == active) != of_active) continue;
+    for (const Contour& contour : structures[i].contours) {
+      if (is_moved(session, contour)) outlines.push_back(contour.points_px);
+    }
   }
   return outlines;
 }
@@ -81,9 +85,11 @@ AssistTool::Place AssistTool::place_of(const Session& session) {
 }
 
 AssistTool::Question AssistTool::question_of(const Session& session) {
-  const auto active = session.active_structure();
-  const bool moves = session.view.tool == Tool::kRefine && active;
-  return {session.view.seeds_px, session.view.assist, moves ? session.document()->structure_revision(*active) : 0};
+  const Document& document = *session.document();
+  std::uint64_t revision = 0;
+  const std::size_t count = session.view.tool == Tool::kRefine ? document.structures().size() : 0;
+  for (std::size_t i = 0; i < count; ++i) revision += document.structure_revision(i);
+  return {session.view.seeds_px, session.view.assist, revision};
 }
 
 void AssistTool::forget(Session& session) {
@@ -118,8 +124,12 @@ void AssistTool::ask(Session& session, Question question, const cv::Mat& image) 
   forget(session);
   asked_any_ = true;
   asked_ = std::move(question);
-  AssistInput input{place_.tool, image.clone(), without_limits_at_ends(session.view, asked_.options), asked_.seeds_px,
-                    outlines_here(session)};
+  AssistInput input{place_.tool,
+                    image.clone(),
+                    without_limits_at_ends(session.view, asked_.options),
+                    asked_.seeds_px,
+                    outlines_here(session, true),
+                    outlines_here(session, false)};
   const auto work = [this, &session, number = number_,
                      input = std::move(input)](const Progress&) -> std::function<void()> {
     std::vector<Polygon> outlines = assist_preview(input);

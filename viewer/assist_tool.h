@@ -41,7 +41,7 @@ class AssistTool : public StepTool {
   struct Question {
     std::vector<Eigen::Vector2d> seeds_px;
     AssistOptions options;
-    std::uint64_t revision = 0;  // of the outlines that Refine moves
+    std::uint64_t revision = 0;  // of the outlines that Refine moves, and those beside them
     bool operator==(const Question&) const = default;
   };
 

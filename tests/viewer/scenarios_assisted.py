@@ -250,6 +250,26 @@ def outline_is_refined(viewer, shared):
     assert undone[5] == by_frame[5] and undone[8] == drawn
 
 
+def outline_is_not_refined_beyond_another_structure(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    truth = bladder.outlines[8]
+    centre = middle(truth)
+    drawn = [[centre[i] + (p[i] - centre[i]) * 0.96 for i in range(2)] for p in truth[::8]]
+    side = max(x for x, _ in drawn) + 2
+    box = [[side, centre[1] - 60], [side + 60, centre[1] - 60], [side + 60, centre[1] + 60], [side, centre[1] + 60]]
+    alone = bladder.with_outlines({8: drawn})
+    both = json.loads(alone[-1].read_text())
+    both["structures"].append({"name": "stone", "contours": [{"frame": 8, "closed": True, "points": box}]})
+    with_box = viewer.folder / "both.json"
+    with_box.write_text(json.dumps(both))
+    right = []
+    for contours in (alone[-1], with_box):
+        run = viewer.run(*alone[:-1], contours, events=[IDLE, *bladder.show(8), {"key": "J"}, IDLE, DUMP])
+        (found,) = run.state()["view"]["preview"]
+        right.append(max(x for x, _ in found))
+    assert right[0] > side + 0.5 and right[1] < side, (right, side)
+
+
 def filled_between_outlines(viewer, shared):
     bladder = Bladder(viewer, shared)
     drawn = {f: bladder.outlines[f][::8] for f in (2, 7, 13)}
@@ -302,6 +322,7 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
 SCENARIOS = [
     bladder_outlined_by_wire, wire_of_one_frame_becomes_no_outline_on_the_next,
     wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
-    region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders, threshold_at_its_ends_has_no_limits, outline_is_refined,
+    region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders,
+    threshold_at_its_ends_has_no_limits, outline_is_refined, outline_is_not_refined_beyond_another_structure,
     filled_between_outlines, unsure_outlines_are_shown_and_mended,
 ]
