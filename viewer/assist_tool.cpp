@@ -117,12 +117,19 @@ void AssistTool::handle(Session& session, const ToolInput& input, const cv::Mat&
     if (question.seeds_px == asked_.seeds_px && question.options == asked_.options) return;
     dropped_ = false;
   }
-  if (!asked_any_ || question != asked_) ask(session, std::move(question), image);
+  if (input.pressed && is_lost(session)) asked_any_ = finish_when_answered_ = false;
+  const bool finishes = finish_when_answered_ && !asked_any_ && question == asked_;
+  if (!asked_any_ || question != asked_) ask(session, std::move(question), image, finishes);
 }
 
-void AssistTool::ask(Session& session, Question question, const cv::Mat& image) {
+bool AssistTool::is_lost(const Session& session) const {
+  return asked_any_ && !answered_ && !session.is_under_way("preview");
+}
+
+void AssistTool::ask(Session& session, Question question, const cv::Mat& image, bool finishes) {
   forget(session);
   asked_any_ = true;
+  finish_when_answered_ = finishes;
   asked_ = std::move(question);
   AssistInput input{place_.tool,
                     image.clone(),
@@ -161,6 +168,9 @@ void AssistTool::finish(Session& session) {
   if (!asked_any_ || !(place_of(session) == place_) || question_of(session) != asked_) return;
   if (!answered_) {
     finish_when_answered_ = true;
+    if (!is_lost(session)) return;
+    asked_any_ = false;  // looks again
+    ++number_;
     return;
   }
   const std::vector<Polygon> outlines = std::exchange(session.view.preview_px, {});

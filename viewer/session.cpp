@@ -23,6 +23,11 @@ void Session::cancel(const std::string& key) {
   worker_.cancel(key);
 }
 
+bool Session::is_under_way(const std::string& key) const {
+  const std::vector<JobStatus> jobs = worker_.jobs();
+  return std::any_of(jobs.begin(), jobs.end(), [&](const JobStatus& job) { return job.key == key && !job.cancelling; });
+}
+
 void Session::retry_surface(std::uint64_t id) {
   if (structures_) structures_->retry_surface(*document_, id);
 }

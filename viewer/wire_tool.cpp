@@ -23,9 +23,9 @@ bool WireTool::is_of_shown_frame(const Session& session) const {
          frame_ == session.view.frame;
 }
 
-void WireTool::prepare(Session& session, const cv::Mat& image) {
+void WireTool::prepare(Session& session, const cv::Mat& image, bool again) {
   const ViewState& view = session.view;
-  if (is_of_shown_frame(session)) return;
+  if (is_of_shown_frame(session) && !(again && is_lost(session))) return;
   scan_ = session.document()->scan();
   recording_ = view.recording;
   frame_ = view.frame;
@@ -50,7 +50,7 @@ void WireTool::show(Session& session) {
 }
 
 void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& image) {
-  prepare(session, image);
+  prepare(session, image, input.pressed);
   if (!wire_) return;
   const bool moved = (input.at_px - pointer_px_).squaredNorm() > 0.0;
   pointer_px_ = input.at_px;
@@ -77,6 +77,7 @@ bool WireTool::undo(Session& session) {
 }
 
 void WireTool::give_up(Session& session) {
+  if (is_lost(session)) scan_.reset();  // looks again when the tool is taken up
   while (wire_ && !wire_->seeds().empty() && wire_->undo()) {
   }
   session.view.line_px.clear();
