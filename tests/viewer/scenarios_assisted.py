@@ -1,6 +1,7 @@
 """Outlining with help of the image: wire, region, threshold, refinement, filling between outlines."""
 
 import json
+import random
 
 from viewer_driver import DUMP, IDLE, at, picture
 from viewer_exams import fathom, go_to, is_bright_cyan, recording, structure
@@ -94,6 +95,33 @@ def wire_of_one_frame_becomes_no_outline_on_the_next(viewer, shared):
         assert len(run.state(f"line{number}")["view"]["line"]) > 10
         left = run.state(f"left{number}")
         assert left["view"]["frame"] != 8 and left["view"]["line"] == [] and left["document"]["edits"] == 0
+
+
+def search_that_was_cancelled_begins_again(viewer, shared):
+    random.seed(1)
+    width, height = 1600, 1600
+    image = bytearray(random.randbytes(width * height))
+    for y in range(400, 1200):
+        image[y * width + 400:y * width + 1200] = bytes(160 + v // 4 for v in image[y * width + 400:y * width + 1200])
+    large = viewer.folder / "large.mha"
+    large.write_bytes(
+        b"ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+        b"DimSize = 1600 1600 1\nElementType = MET_UCHAR\nUltrasoundImageOrientation = MFA\n"
+        b"Seq_Frame0000_Timestamp = 0\nSeq_Frame0000_ProbeToTrackerTransformStatus = OK\n"
+        b"Seq_Frame0000_ProbeToTrackerTransform = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nElementDataFile = LOCAL\n"
+        + bytes(image))
+    drawn = viewer.folder / "drawn.json"
+    drawn.write_text(json.dumps({"fathom_contours": 1, "structures": [{"name": "box", "contours": [
+        {"frame": 0, "closed": True, "points": [[404, 404], [1195, 404], [1195, 1195], [404, 1195]]}]}]}))
+    wire = [{"click": at(600, 400)}, {"click": at(800, 400)}, {"click": at(1000, 400)}]
+    run = viewer.run(large, "--contours", drawn, events=[
+        IDLE, {"key": "J"}, {"click": "cancel:preview"}, IDLE, {"frames": 3}, {"dump": "refine.json"}, {"key": "Enter"},
+        IDLE, {"frames": 2}, IDLE, {"dump": "refined.json"},
+        {"key": "E"}, {"click": "cancel:edges"}, IDLE, {"frames": 3}, {"dump": "wire.json"}, wire[0], IDLE, *wire,
+        {"frames": 2}, DUMP])
+    assert run.state("refine")["view"]["preview"] == [] and run.state("refine")["jobs"] == []
+    assert run.state("refined")["document"]["edits_done"] == 1, "Enter does not look again"
+    assert run.state("wire")["jobs"] == [] and len(run.state()["view"]["line"]) > 100, "a click does not look again"
 
 
 def wire_taken_back_to_where_it_is_clicked(viewer, shared):
@@ -321,7 +349,7 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
 
 SCENARIOS = [
     bladder_outlined_by_wire, wire_of_one_frame_becomes_no_outline_on_the_next,
-    wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
+    search_that_was_cancelled_begins_again, wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
     region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message, threshold_follows_its_sliders,
     threshold_at_its_ends_has_no_limits, outline_is_refined, outline_is_not_refined_beyond_another_structure,
     filled_between_outlines, unsure_outlines_are_shown_and_mended,
