@@ -115,7 +115,7 @@ std::vector<Action> make_actions(Application& app) {
       [ask_export] { ask_export(false); }, open);
   add(
       "File", "Export without names...", {},
-      "the same without patient, operator, date and notes; of B-scans only what lies in an area drawn by Area",
+      "the same without patient, operator, date and notes; of B-scans only the box around an area drawn by Area (R)",
       [ask_export] { ask_export(true); }, open);
   add("File", "Picture...", ctrl(GLFW_KEY_P), "of the window or a pane, on request without names",
       [&app] { app.pictures_.ask(); });

@@ -94,7 +94,7 @@ void Application::draw_panes() {
 
   begin_pane("Review", low, {left - (right_side ? bar : 0.0F), main - bar});
   if (!live_shown_) {
-    if (session_.document() == nullptr) draw_welcome(actions_);
+    if (session_.document() == nullptr) draw_welcome(actions_, session_.view.hides_names);
     review_.draw(session_, window_->pointer_path());
   } else if (live_.draw(session_, settings_)) {
     show_live(false);
@@ -160,7 +160,7 @@ void Application::draw_right_side(ImVec2 low, ImVec2 size) {
 
 void Application::draw_status() {
   const Document* document = session_.document();
-  bars_.draw(session_);
+  if (!session_.view.hides_names) bars_.draw(session_);  // what is done may have a file's name
   if (document == nullptr) {
     ImGui::TextUnformatted("F1 shows the keys");
     return;

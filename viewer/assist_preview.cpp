@@ -42,7 +42,7 @@ std::vector<Polygon> refined(const AssistInput& input) {
   options.reach_px = static_cast<double>(input.options.reach_px);
   const EdgeMap map = edge_map(input.image, options.edges);
   const std::vector<Polygon> outlines = structure_on_right(input.outlines);
-  return refine_outlines(map, outlines, learn_boundary(map, outlines, options), options);
+  return refine_outlines(map, outlines, learn_boundary(map, outlines, options), options, input.beside);
 }
 
 }  // namespace

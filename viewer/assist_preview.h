@@ -20,6 +20,7 @@ struct AssistInput {
   /// Where the user clicked. Region: places inside; Threshold: parts to take, none: all of them.
   std::vector<Eigen::Vector2d> seeds_px;
   std::vector<Polygon> outlines;  ///< closed ones of the structure on the frame: what Refine moves
+  std::vector<Polygon> beside;    ///< those of other structures there, which it does not move beyond
 };
 
 /// The closed outlines that the tool would draw. Throws Error as grow_region, threshold_outlines and refine_outlines.

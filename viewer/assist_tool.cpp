@@ -1,7 +1,14 @@
 #include "viewer/assist_tool.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 #include <utility>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "segmentation/outline_mask.h"
 
 namespace fathom {
 
@@ -24,18 +31,42 @@ bool is_moved(const Session& session, const Contour& contour) {
   return contour.closed && contour.frame == session.view.frame && contour.recording == session.view.recording;
 }
 
-std::vector<Polygon> outlines_here(const Session& session) {
+// Closed ones on the shown frame: of the active structure, or of all others.
+std::vector<Polygon> outlines_here(const Session& session, bool of_active) {
   std::vector<Polygon> outlines;
   const auto active = session.active_structure();
-  if (!active) return outlines;
-  for (const Contour& contour : session.document()->structures()[*active].contours) {
-    if (is_moved(session, contour)) outlines.push_back(contour.points_px);
+  const std::vector<Structure>& structures = session.document()->structures();
+  for (std::size_t i = 0; i < structures.size(); ++i) {
+    if ((i == active) != of_active) continue;
+    for (const Contour& contour : structures[i].contours) {
+      if (is_moved(session, contour)) outlines.push_back(contour.points_px);
+    }
   }
   return outlines;
 }
 
+// Whether the outline encloses pixels that the proposed ones, by even-odd, enclose too.
+bool shares_area(const Polygon& outline, const std::vector<Polygon>& proposed) {
+  Eigen::AlignedBox2d box;
+  for (const Polygon& line : proposed) {
+    for (const Eigen::Vector2d& point : line) box.extend(point);
+  }
+  const Eigen::Vector2i low = box.min().array().floor().cast<int>();
+  const Eigen::Vector2i high = box.max().array().ceil().cast<int>();
+  const cv::Rect window(cv::Point(low.x(), low.y()), cv::Point(high.x() + 1, high.y() + 1));
+  const cv::Mat both = outline_mask(proposed, window) & outline_mask(std::span(&outline, 1), window);
+  return cv::countNonZero(both) > 0;
+}
+
 bool is_on(const cv::Mat& image, const Eigen::Vector2d& at_px) {
   return at_px.x() >= -0.5 && at_px.y() >= -0.5 && at_px.x() <= image.cols - 0.5 && at_px.y() <= image.rows - 0.5;
+}
+
+// A limit at the end of its slider is none: other frames may have darker and brighter places than the first one shown.
+AssistOptions without_limits_at_ends(const ViewState& view, AssistOptions options) {
+  if (options.low <= view.grey_low) options.low = std::numeric_limits<float>::lowest();
+  if (options.high >= view.grey_high) options.high = std::numeric_limits<float>::infinity();
+  return options;
 }
 
 }  // namespace
@@ -54,9 +85,11 @@ AssistTool::Place AssistTool::place_of(const Session& session) {
 }
 
 AssistTool::Question AssistTool::question_of(const Session& session) {
-  const auto active = session.active_structure();
-  const bool moves = session.view.tool == Tool::kRefine && active;
-  return {session.view.seeds_px, session.view.assist, moves ? session.document()->structure_revision(*active) : 0};
+  const Document& document = *session.document();
+  std::uint64_t revision = 0;
+  const std::size_t count = session.view.tool == Tool::kRefine ? document.structures().size() : 0;
+  for (std::size_t i = 0; i < count; ++i) revision += document.structure_revision(i);
+  return {session.view.seeds_px, session.view.assist, revision};
 }
 
 void AssistTool::forget(Session& session) {
@@ -84,14 +117,26 @@ void AssistTool::handle(Session& session, const ToolInput& input, const cv::Mat&
     if (question.seeds_px == asked_.seeds_px && question.options == asked_.options) return;
     dropped_ = false;
   }
-  if (!asked_any_ || question != asked_) ask(session, std::move(question), image);
+  if (input.pressed && is_lost(session)) asked_any_ = finish_when_answered_ = false;
+  const bool finishes = finish_when_answered_ && !asked_any_ && question == asked_;
+  if (!asked_any_ || question != asked_) ask(session, std::move(question), image, finishes);
 }
 
-void AssistTool::ask(Session& session, Question question, const cv::Mat& image) {
+bool AssistTool::is_lost(const Session& session) const {
+  return asked_any_ && !answered_ && !session.is_under_way("preview");
+}
+
+void AssistTool::ask(Session& session, Question question, const cv::Mat& image, bool finishes) {
   forget(session);
   asked_any_ = true;
+  finish_when_answered_ = finishes;
   asked_ = std::move(question);
-  AssistInput input{place_.tool, image.clone(), asked_.options, asked_.seeds_px, outlines_here(session)};
+  AssistInput input{place_.tool,
+                    image.clone(),
+                    without_limits_at_ends(session.view, asked_.options),
+                    asked_.seeds_px,
+                    outlines_here(session, true),
+                    outlines_here(session, false)};
   const auto work = [this, &session, number = number_,
                      input = std::move(input)](const Progress&) -> std::function<void()> {
     std::vector<Polygon> outlines = assist_preview(input);
@@ -123,6 +168,9 @@ void AssistTool::finish(Session& session) {
   if (!asked_any_ || !(place_of(session) == place_) || question_of(session) != asked_) return;
   if (!answered_) {
     finish_when_answered_ = true;
+    if (!is_lost(session)) return;
+    asked_any_ = false;  // looks again
+    ++number_;
     return;
   }
   const std::vector<Polygon> outlines = std::exchange(session.view.preview_px, {});
@@ -132,8 +180,11 @@ void AssistTool::finish(Session& session) {
     Document& document = *session.document();
     document.begin_action(words.action);
     const std::size_t structure = session.require_structure();
-    for (std::size_t i = document.structures()[structure].contours.size(); place_.tool == Tool::kRefine && i-- > 0;) {
-      if (is_moved(session, document.structures()[structure].contours[i])) document.remove_contour(structure, i);
+    // Outlines combine by even-odd: over an older one the new one would make a ring of both.
+    for (std::size_t i = document.structures()[structure].contours.size(); i-- > 0;) {
+      const Contour& old = document.structures()[structure].contours[i];
+      if (!is_moved(session, old)) continue;
+      if (place_.tool == Tool::kRefine || shares_area(old.points_px, outlines)) document.remove_contour(structure, i);
     }
     for (const Polygon& outline : outlines) {
       Contour contour;

@@ -41,14 +41,16 @@ class AssistTool : public StepTool {
   struct Question {
     std::vector<Eigen::Vector2d> seeds_px;
     AssistOptions options;
-    std::uint64_t revision = 0;  // of the outlines that Refine moves
+    std::uint64_t revision = 0;  // of the outlines that Refine moves, and those beside them
     bool operator==(const Question&) const = default;
   };
 
   static Place place_of(const Session& session);
   static Question question_of(const Session& session);
   void move_to(Session& session, Place place);
-  void ask(Session& session, Question question, const cv::Mat& image);
+  void ask(Session& session, Question question, const cv::Mat& image, bool finishes);
+  // Whether no answer will come, as the user cancelled the search.
+  bool is_lost(const Session& session) const;
   void answer(Session& session, std::uint64_t number, std::vector<Polygon> outlines);
   void forget(Session& session);
 

@@ -47,7 +47,7 @@ void action_button(const std::vector<Action>& actions, const char* menu, const c
 
 }  // namespace
 
-void draw_welcome(const std::vector<Action>& actions) {
+void draw_welcome(const std::vector<Action>& actions, bool hides_names) {
   const float indent = ui::em();
   ImGui::Dummy({1.0F, ui::em()});
   ImGui::Indent(indent);
@@ -61,7 +61,7 @@ void draw_welcome(const std::vector<Action>& actions) {
   const Action* chosen = nullptr;
   bool first = true;
   for (const Action& action : actions) {
-    if (action.menu != kRecentMenu) continue;
+    if (hides_names || action.menu != kRecentMenu) continue;
     if (std::exchange(first, false)) {
       ImGui::Dummy({1.0F, ui::em()});
       ImGui::TextDisabled("Open before");
@@ -89,7 +89,8 @@ void draw_calibration_missing(Session& session, const std::vector<Action>& actio
   action_button(actions, "File", "Calibration...");
   const std::filesystem::path beside = session.calibration_beside();
   if (beside.empty()) return;
-  if (ImGui::Button(("Use " + beside.filename().string()).c_str())) {
+  const std::string name = session.view.hides_names ? "the calibration beside" : beside.filename().string();
+  if (ImGui::Button(("Use " + name).c_str())) {
     session.attempt(beside.filename().string(), [&] { session.document()->set_calibration(beside); });
   }
   ui::note_last("Use the calibration beside");

@@ -8,7 +8,8 @@
 namespace fathom {
 
 /// What stands in Review while nothing is open: how to begin, from the table of actions, and what was open last.
-void draw_welcome(const std::vector<Action>& actions);
+/// The latter not where names are to be hidden.
+void draw_welcome(const std::vector<Action>& actions, bool hides_names);
 
 /// What a pane is for, by its name: "Outline", "Reslice", "Measurements" or "Timeline". Drawn while nothing is open.
 void draw_purpose(const char* pane);

@@ -161,7 +161,8 @@ void MeasurementsPane::draw_opacity(Session& session, std::size_t index) {
   const std::string label = "##opacity " + std::to_string(index + 1);
   const bool moved = ui::slider(label.c_str(), percent, 0.0F, 100.0F, "%.0f %%", 3.0F * ui::em());
   ui::tip("How solid the surface is in Outline");
-  if (ImGui::IsItemActivated()) document.begin_action("Change opacity");
+  // Also where a key ended the action, so that what is left of the drag is one.
+  if (ImGui::IsItemActive() && !document.in_action()) document.begin_action("Change opacity");
   if (moved) session.attempt(name, [&] { document.set_opacity(index, std::round(percent) / 100.0); });
   if (ImGui::IsItemDeactivated() && document.in_action()) document.end_action();
 }

@@ -26,11 +26,12 @@ void row(const char* name, const std::string& value, const char* tip = nullptr) 
 }
 
 // What the interval comes from.
-std::string parts_text(const VolumeInterval& interval) {
+std::string parts_text(const VolumeInterval& interval, bool divided) {
   std::string text = "Standard deviations in ml: by what lies between sections and the scatter of outlines " +
                      format_rounded(interval.spacing_ml, 2);
   text += "\nby the calibration, as far as it says how sure it is " + format_rounded(interval.calibration_ml, 2);
-  return text + "\nIt is of the part between the outer sections.";
+  text += "\nIt is of the part between the outer sections.";
+  return divided ? text + "\nIts upper end has what is estimated to be missing at the dividing planes." : text;
 }
 
 std::string change_text(const PlanimetryVolumes& volumes, const std::optional<double>& before_ml) {
@@ -115,13 +116,14 @@ void MeasurementsPane::draw_confidence(Session& session, const StructureView& vi
   if (!view.confidence_is_current) return ImGui::TextDisabled("...");
   const LiveConfidence& known = view.confidence;
   const auto& interval = known.confidence.interval;
+  const bool divided = !session.document()->content().planes.empty();
   if (known.cancelled) return ImGui::TextDisabled("cancelled");
   if (!known.fault.empty()) return ImGui::TextWrapped("%s", session.text_to_show(known.fault).c_str());
   if (interval) {
     ImGui::Text("%s to %s", format_rounded(interval->low_ml, 2).c_str(), format_rounded(interval->high_ml, 2).c_str());
-    ui::tip(parts_text(*interval).c_str());
+    ui::tip(parts_text(*interval, divided).c_str());
   } else {
-    ImGui::TextDisabled("from four sections on");
+    ImGui::TextDisabled(divided ? "from four sections in every part on" : "from four sections on");
   }
   if (!active) return;
   if (const auto next = next_worth_outlining(known.confidence)) {

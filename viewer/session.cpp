@@ -23,6 +23,11 @@ void Session::cancel(const std::string& key) {
   worker_.cancel(key);
 }
 
+bool Session::is_under_way(const std::string& key) const {
+  const std::vector<JobStatus> jobs = worker_.jobs();
+  return std::any_of(jobs.begin(), jobs.end(), [&](const JobStatus& job) { return job.key == key && !job.cancelling; });
+}
+
 void Session::retry_surface(std::uint64_t id) {
   if (structures_) structures_->retry_surface(*document_, id);
 }
@@ -72,6 +77,8 @@ void Session::take_document(std::unique_ptr<Document> document, const std::files
   view = ViewState();
   view.brush_px = before.brush_px;
   view.assist = before.assist;
+  view.assist.low = AssistOptions().low;  // grey values of one recording say nothing of another's
+  view.assist.high = AssistOptions().high;
   view.show_surfaces = before.show_surfaces;
   if (const RecordingHeader* shown = header(); shown != nullptr && shown->frame_count() > 0) {
     // The outlined part is what one wants to see; else the middle.

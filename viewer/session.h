@@ -42,6 +42,8 @@ class Session {
   const StructureView* find_structure(std::uint64_t id) const;
   /// Stops work under way, by its key.
   void cancel(const std::string& key);
+  /// Whether work of this key runs or waits, and was not cancelled.
+  bool is_under_way(const std::string& key) const;
   /// Makes a structure's surface after all that was cancelled.
   void retry_surface(std::uint64_t id);
 

@@ -29,10 +29,12 @@ void draw_threshold_options(ViewState& view, float em) {
   if (ui::slider("##low", assist.low, view.grey_low, view.grey_high, "from %.0f", 8.0F * em)) {
     assist.high = std::max(assist.high, assist.low);
   }
+  ui::tip("At its left end there is no lower limit");
   ImGui::SameLine();
   if (ui::slider("##high", assist.high, view.grey_low, view.grey_high, "to %.0f", 8.0F * em)) {
     assist.low = std::min(assist.low, assist.high);
   }
+  ui::tip("At its right end there is no upper limit");
   draw_even_out(view, em);
 }
 

@@ -17,11 +17,16 @@ constexpr double kOnLine = 0.5;
 
 }  // namespace
 
-void WireTool::prepare(Session& session, const cv::Mat& image) {
+bool WireTool::is_of_shown_frame(const Session& session) const {
+  const Document* document = session.document();
+  return document != nullptr && scan_.lock() == document->scan() && recording_ == session.view.recording &&
+         frame_ == session.view.frame;
+}
+
+void WireTool::prepare(Session& session, const cv::Mat& image, bool again) {
   const ViewState& view = session.view;
-  const auto scan = session.document()->scan();
-  if (scan_.lock() == scan && recording_ == view.recording && frame_ == view.frame) return;
-  scan_ = scan;
+  if (is_of_shown_frame(session) && !(again && is_lost(session))) return;
+  scan_ = session.document()->scan();
   recording_ = view.recording;
   frame_ = view.frame;
   wire_ = nullptr;
@@ -45,7 +50,7 @@ void WireTool::show(Session& session) {
 }
 
 void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& image) {
-  prepare(session, image);
+  prepare(session, image, input.pressed);
   if (!wire_) return;
   const bool moved = (input.at_px - pointer_px_).squaredNorm() > 0.0;
   pointer_px_ = input.at_px;
@@ -66,19 +71,20 @@ void WireTool::handle(Session& session, const ToolInput& input, const cv::Mat& i
 }
 
 bool WireTool::undo(Session& session) {
-  if (!wire_ || wire_->seeds().empty() || !wire_->undo()) return false;
+  if (!wire_ || !is_of_shown_frame(session) || wire_->seeds().empty() || !wire_->undo()) return false;
   show(session);
   return true;
 }
 
 void WireTool::give_up(Session& session) {
+  if (is_lost(session)) scan_.reset();  // looks again when the tool is taken up
   while (wire_ && !wire_->seeds().empty() && wire_->undo()) {
   }
   session.view.line_px.clear();
 }
 
 void WireTool::finish(Session& session) {
-  if (!wire_ || wire_->seeds().size() < 2) return;
+  if (!wire_ || !is_of_shown_frame(session) || wire_->seeds().size() < 2) return;
   const bool closed = session.attempt("wire", [&] { wire_->close(); });
   if (!closed) return;
   session.view.line_px = wire_->line();

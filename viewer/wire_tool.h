@@ -25,7 +25,11 @@ class WireTool : public StepTool {
   void give_up(Session& session) override;
 
  private:
-  void prepare(Session& session, const cv::Mat& image);
+  // While another frame is shown and its image not yet there, the line is of the one before.
+  bool is_of_shown_frame(const Session& session) const;
+  void prepare(Session& session, const cv::Mat& image, bool again);
+  // Whether edges were not found and are not looked for: the user cancelled that.
+  bool is_lost(const Session& session) const { return !wire_ && !session.is_under_way("edges"); }
   void show(Session& session);
 
   std::shared_ptr<LiveWire> wire_;  // of the frame below; null while it is made

@@ -1,4 +1,4 @@
-"""Outlining with help of the image: wire, region, threshold, refinement, filling between outlines."""
+"""Outlining with help of the image: region, threshold, refinement, filling between outlines."""
 
 import json
 
@@ -54,57 +54,6 @@ class Bladder:
         return [*self.recording(), "--contours", contours]
 
 
-def bladder_outlined_by_wire(viewer, shared):
-    bladder = Bladder(viewer, shared)
-    seeds = bladder.seeds(8, 6)
-    click = lambda seed: {"click": at(*seed)}  # noqa: E731
-    way = [{"move": at(*seeds[3])}, {"frames": 2}]
-    beside = {"move": at(*middle(bladder.outlines[8]))}
-    run = viewer.run(*bladder.recording(), events=[
-        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"},
-        {"move": at(*seeds[0])}, IDLE, *map(click, seeds[:3]),
-        {"dump": "three.json"}, *way, {"dump": "ahead.json"}, picture("ahead", "pane:Review"), beside, {"frames": 2},
-        {"dump": "aside.json"}, click(seeds[3]), {"key": "Ctrl+Z"}, *way, {"dump": "undone.json"},
-        {"wait_s": 0.4}, *map(click, seeds[3:]), {"key": "Enter"}, IDLE, DUMP, picture(of="pane:Review"),
-        {"key": "Ctrl+Z"}, IDLE,
-        {"dump": "without.json"}])
-    three, ahead, aside, undone = (run.state(name)["view"]["line"] for name in ("three", "ahead", "aside", "undone"))
-    assert len(ahead) > len(three) + 5 and ahead != aside, "the line does not follow the pointer"
-    assert farthest(ahead, bladder.outlines[8]) < 12, "the line does not follow the edge"
-    assert undone == ahead, "taking back a click did not leave the line as it was before"
-    assert run.picture("ahead").differs(run.picture("empty")) > 150, "the line is not shown"
-    assert run.state("undone")["document"]["edits"] == 0
-    (contour,) = structure(run.state())["contours"]
-    assert contour["closed"] and contour["frame"] == 8 and run.state()["view"]["line"] == []
-    assert abs(area(contour["points"]) / area(bladder.outlines[8]) - 1) < 0.05
-    assert run.picture().differs(run.picture("empty")) > 300
-    assert run.state("without")["document"]["structures"] == [], "the outline is not one action"
-
-
-def wire_taken_back_to_where_it_is_clicked(viewer, shared):
-    bladder = Bladder(viewer, shared)
-    seeds = bladder.seeds(8, 6)
-    clicks = [{"click": at(*seed)} for seed in seeds[:4]]
-    back = bladder.seeds(8, 12)[3]  # half way between the second and the third click, on the line
-    run = viewer.run(*bladder.recording(), events=[
-        IDLE, *bladder.show(8), {"move": [3, 3]}, {"frames": 2}, picture("empty", "pane:Review"), {"key": "E"},
-        {"move": at(*seeds[0])}, IDLE, *clicks,
-        {"dump": "far.json"}, {"click": at(*back)}, {"dump": "back.json"}, {"key": "Backspace"},
-        {"move": at(*seeds[3])},
-        {"frames": 2}, {"dump": "again.json"}, {"key": "Escape"}, {"move": [3, 3]}, {"frames": 2},
-        {"dump": "none.json"},
-        picture("none", "pane:Review"), {"move": at(*seeds[2])}, {"frames": 2}, {"dump": "later.json"},
-        {"key": "B"}, {"key": "E"}, {"move": at(*seeds[1])}, {"frames": 2}, DUMP])
-    far, taken, again = (run.state(name)["view"]["line"] for name in ("far", "back", "again"))
-    assert len(far) * 0.35 < len(taken) < len(far) * 0.65, (len(far), len(taken))
-    assert taken == far[:len(taken)] or farthest(taken, far) < 2
-    assert farthest(again, far) < 2 and abs(len(again) - len(far)) < 5, "taking it back cannot be undone"
-    for name in ("none", "later", "state"):
-        state = run.state(name)
-        assert state["view"]["line"] == [] and state["document"]["edits"] == 0, f"{name}: Escape left something behind"
-    assert run.picture("none").differs(run.picture("empty")) == 0
-
-
 def region_grows_from_seeds(viewer, shared):
     truth = shared.outlines[5]
     inside = middle(truth)
@@ -128,6 +77,27 @@ def region_grows_from_seeds(viewer, shared):
     contours = structure(run.state())["contours"]
     assert [c["points"] for c in contours] == shown["preview"] and contours[0]["frame"] == 5
     assert run.state()["view"]["preview"] == [] and run.picture().differs(run.picture("empty")) > 100
+
+
+def region_taken_again_replaces_what_it_covers(viewer, shared):
+    truth, inside = shared.outlines[5], middle(shared.outlines[5])
+    small = [[inside[i] + (p[i] - inside[i]) * 0.6 for i in range(2)] for p in truth[::8]]
+    apart = [[20, 20], [40, 20], [40, 40], [20, 40]]
+    drawn = viewer.folder / "drawn.json"
+    drawn.write_text(json.dumps({"fathom_contours": 1, "structures": [{"name": "bladder", "contours": [
+        {"frame": f, "closed": True, "points": points} for f, points in ((4, small), (5, small), (5, apart))]}]}))
+    take = [{"click": at(*inside)}, IDLE, {"click": "Take"}, IDLE]
+    wider = {"drag": [{"item": "tolerance", "at": [0.3, 0.5]}, {"item": "tolerance", "at": [0.8, 0.5]}]}
+    run = viewer.run(*recording(shared), "--contours", drawn, events=[
+        IDLE, *go_to(5), {"click": "Region"}, *take, {"dump": "once.json"}, wider, *take, DUMP, {"key": "Ctrl+Z"},
+        {"key": "Ctrl+Z"}, IDLE, {"dump": "undone.json"}])
+    for name in ("once", "state"):
+        here = [c["points"] for c in structure(run.state(name))["contours"] if c["frame"] == 5]
+        assert len(here) == 2 and apart in here, f"{name}: {len(here)} outlines"
+        (taken,) = [points for points in here if points != apart]
+        assert abs(area(taken) / area(truth) - 1) < 0.02, name
+        assert small in [c["points"] for c in structure(run.state(name))["contours"] if c["frame"] == 4]
+    assert len(structure(run.state("undone"))["contours"]) == 3
 
 
 def region_without_a_border_is_a_message(viewer, shared):
@@ -165,6 +135,31 @@ def threshold_follows_its_sliders(viewer, shared):
     assert run.state()["document"]["edits_done"] == 1
 
 
+def threshold_at_its_ends_has_no_limits(viewer, shared):
+    """16 bits: the frame that is shown first is darker than the other, of which all bright values must be taken."""
+    square = lambda value: b"".join(  # noqa: E731
+        (value if 50 <= x < 110 and 40 <= y < 90 else 100).to_bytes(2, "little") for y in range(120) for x in range(160))
+    fields = "".join(
+        f"Seq_Frame000{i}_Timestamp = {i}\nSeq_Frame000{i}_ProbeToTrackerTransformStatus = OK\n"
+        f"Seq_Frame000{i}_ProbeToTrackerTransform = 1 0 0 0 0 1 0 0 0 0 1 {i} 0 0 0 1\n" for i in range(2))
+    dark = viewer.folder / "dark.mha"
+    dark.write_bytes(
+        b"ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+        b"DimSize = 160 120 2\nElementType = MET_USHORT\nUltrasoundImageOrientation = MFA\n"
+        + fields.encode() + b"ElementDataFile = LOCAL\n" + square(2500) + square(1000))
+    truth = shared.outlines[5]
+    run = viewer.run(dark, events=[
+        IDLE, {"key": "I"}, IDLE, {"dump": "first.json"}, {"key": "Left"}, IDLE, {"dump": "bright.json"},
+        {"drag": [{"item": "low", "at": [0.5, 0.5]}, {"item": "low", "at": [0.0, 0.5]}]}, IDLE, {"dump": "all.json"},
+        {"drop": str(shared.scan)}, IDLE, *go_to(5), {"key": "I"}, IDLE, DUMP])
+    assert run.state("first")["view"]["frame"] == 1 and run.state("bright")["view"]["frame"] == 0
+    for name, wanted_px in (("first", 60 * 50), ("bright", 60 * 50), ("all", 160 * 120)):
+        areas = [area(outline) for outline in run.state(name)["view"]["preview"]]
+        assert len(areas) == 1 and abs(areas[0] / wanted_px - 1) < 0.15, f"{name}: {areas}"
+    (found,) = run.state()["view"]["preview"]
+    assert abs(area(found) / area(truth) - 1) < 0.02, "the limits are those of the recording that was open before"
+
+
 def outline_is_refined(viewer, shared):
     bladder = Bladder(viewer, shared)
     truth = bladder.outlines[8]
@@ -187,6 +182,26 @@ def outline_is_refined(viewer, shared):
     assert by_frame[8] == farther[0] and len(by_frame) == 2 and run.state()["view"]["preview"] == []
     undone = {c["frame"]: c["points"] for c in structure(run.state("undone"))["contours"]}
     assert undone[5] == by_frame[5] and undone[8] == drawn
+
+
+def outline_is_not_refined_beyond_another_structure(viewer, shared):
+    bladder = Bladder(viewer, shared)
+    truth = bladder.outlines[8]
+    centre = middle(truth)
+    drawn = [[centre[i] + (p[i] - centre[i]) * 0.96 for i in range(2)] for p in truth[::8]]
+    side = max(x for x, _ in drawn) + 2
+    box = [[side, centre[1] - 60], [side + 60, centre[1] - 60], [side + 60, centre[1] + 60], [side, centre[1] + 60]]
+    alone = bladder.with_outlines({8: drawn})
+    both = json.loads(alone[-1].read_text())
+    both["structures"].append({"name": "stone", "contours": [{"frame": 8, "closed": True, "points": box}]})
+    with_box = viewer.folder / "both.json"
+    with_box.write_text(json.dumps(both))
+    right = []
+    for contours in (alone[-1], with_box):
+        run = viewer.run(*alone[:-1], contours, events=[IDLE, *bladder.show(8), {"key": "J"}, IDLE, DUMP])
+        (found,) = run.state()["view"]["preview"]
+        right.append(max(x for x, _ in found))
+    assert right[0] > side + 0.5 and right[1] < side, (right, side)
 
 
 def filled_between_outlines(viewer, shared):
@@ -239,7 +254,7 @@ def unsure_outlines_are_shown_and_mended(viewer, shared):
 
 
 SCENARIOS = [
-    bladder_outlined_by_wire, wire_taken_back_to_where_it_is_clicked, region_grows_from_seeds,
-    region_without_a_border_is_a_message, threshold_follows_its_sliders, outline_is_refined,
-    filled_between_outlines, unsure_outlines_are_shown_and_mended,
+    region_grows_from_seeds, region_taken_again_replaces_what_it_covers, region_without_a_border_is_a_message,
+    threshold_follows_its_sliders, threshold_at_its_ends_has_no_limits, outline_is_refined,
+    outline_is_not_refined_beyond_another_structure, filled_between_outlines, unsure_outlines_are_shown_and_mended,
 ]

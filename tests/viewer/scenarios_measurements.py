@@ -2,6 +2,7 @@
 next, missing ends, opacity, pictures of panes, simulated sources."""
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -91,6 +92,17 @@ def several_sweeps_have_one_interval_between_planes(viewer, shared):
 
 # How surfaces look.
 
+def opacity_dragged_while_saving_is_two_actions(viewer, shared):
+    to = lambda share: {"move": {"item": "opacity 1", "at": [share, 0.5]}}  # noqa: E731
+    run = viewer.run(shared.exam(viewer.folder), window=WINDOW, events=[
+        IDLE, {"dump": "before.json"}, to(0.5), {"press": 0}, {"frames": 2}, to(0.6), {"frames": 2}, {"key": "Ctrl+S"},
+        *[event for share in (0.7, 0.75, 0.8, 0.85, 1.5) for event in (to(share), {"frames": 2})], {"release": 0}, IDLE,
+        DUMP])
+    before, after = run.state("before")["document"], run.state()["document"]
+    assert after["structures"][0]["opacity"] == 1.0
+    assert after["edits_done"] == before["edits_done"] + 2, after["edits_done"]
+
+
 def opacity_is_dragged_undone_and_kept(viewer, shared):
     exam = shared.exam(viewer.folder)
     space = "pane:Outline"
@@ -172,6 +184,19 @@ def picture_without_names_shows_only_what_is_free_of_them(viewer, shared):
     width, height, pixels = decode(files[3].read_bytes())
     status = pixels[3 * width * (height - 12):3 * width * (height - 11)]
     assert len({status[i:i + 3] for i in range(0, len(status), 3)}) == 1, "the exam's name is shown"
+    # Without a calibration, and where nothing is open: pictures are the same whatever files are called.
+    pictures = []
+    for name in ("smith", "eleanor-rigby"):
+        scan = viewer.folder / f"{name}.mha"
+        shutil.copy(shared.scan, scan)
+        shutil.copy(shared.calibration, scan.with_suffix(".calibration.json"))
+        files = [viewer.folder / f"{name}-{what}.png" for what in ("opened", "closed")]
+        viewer.run(scan, window=window, events=[
+            IDLE, {"frames": 3}, *ask_for_picture(files[0], "Window", True), {"key": "Ctrl+W"}, IDLE, {"frames": 3},
+            *ask_for_picture(files[1], "Window")])
+        pictures.append([decode(file.read_bytes()) for file in files])
+    for what in range(2):
+        assert pictures[0][what] == pictures[1][what], "the picture tells a file's name"
 
 
 # Live.
@@ -192,6 +217,7 @@ def simulated_source_is_listed_and_recorded(viewer, shared):
 SCENARIOS = [
     interval_and_missing_ends_are_those_of_measure, click_on_outline_next_goes_to_the_frame_and_outlining_it_gains,
     interval_is_not_shown_while_an_outline_moves, too_few_sections_have_no_interval,
-    several_sweeps_have_one_interval_between_planes, opacity_is_dragged_undone_and_kept, picture_of_a_pane_is_written,
+    several_sweeps_have_one_interval_between_planes, opacity_dragged_while_saving_is_two_actions,
+    opacity_is_dragged_undone_and_kept, picture_of_a_pane_is_written,
     picture_without_names_shows_only_what_is_free_of_them, simulated_source_is_listed_and_recorded,
 ]

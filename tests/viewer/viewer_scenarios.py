@@ -17,12 +17,13 @@ import scenarios_measurements  # noqa: E402
 import scenarios_outlining  # noqa: E402
 import scenarios_space  # noqa: E402
 import scenarios_window  # noqa: E402
+import scenarios_wire  # noqa: E402
 from viewer_driver import run_all  # noqa: E402
 from viewer_exams import Shared  # noqa: E402
 
 TOPICS = [
     scenarios_looking, scenarios_outlining, scenarios_assisted, scenarios_measurements, scenarios_space, scenarios_window,
-    scenarios_export, scenarios_live, scenarios_faults,
+    scenarios_export, scenarios_live, scenarios_faults, scenarios_wire,
 ]
 
 if __name__ == "__main__":
