@@ -147,11 +147,14 @@ bool PolhemusUsbEmulation::handle(UMockdevIoctlClient* client) {
   asked_ = std::chrono::steady_clock::now();
   const unsigned long request = umockdev_ioctl_client_get_request(client);
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
-  if (gone_) {
+  const bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
+  if (gone_ && reaps) {
+    reap_of_gone(client);
+  } else if (gone_) {
     umockdev_ioctl_client_complete(client, -1, ENODEV);
   } else if (request == USBDEVFS_SUBMITURB) {
     submit(client);
-  } else if (request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY) {
+  } else if (reaps) {
     reap(client);
   } else if (request == USBDEVFS_DISCARDURB) {
     discard(client);
@@ -210,8 +213,22 @@ void PolhemusUsbEmulation::reap(UMockdevIoctlClient* client) {
     done_.splice(done_.end(), waiting_, each);
     break;
   }
+  hand_over(client, EAGAIN);
+}
+
+// As a kernel does: what is under way ends with the device, and who waits for it is told so.
+void PolhemusUsbEmulation::reap_of_gone(UMockdevIoctlClient* client) {
+  for (const Urb& each : waiting_) {
+    urb_of(each.data)->status = -ENODEV;
+    urb_of(each.data)->actual_length = 0;
+  }
+  done_.splice(done_.end(), waiting_);
+  hand_over(client, ENODEV);
+}
+
+void PolhemusUsbEmulation::hand_over(UMockdevIoctlClient* client, int error_of_none) {
   if (done_.empty()) {
-    umockdev_ioctl_client_complete(client, -1, EAGAIN);
+    umockdev_ioctl_client_complete(client, -1, error_of_none);
     return;
   }
   const Urb urb = done_.front();

@@ -53,6 +53,8 @@ class PolhemusUsbEmulation {
   bool handle(UMockdevIoctlClient* client);
   void submit(UMockdevIoctlClient* client);
   void reap(UMockdevIoctlClient* client);
+  void reap_of_gone(UMockdevIoctlClient* client);
+  void hand_over(UMockdevIoctlClient* client, int error_of_none);
   void discard(UMockdevIoctlClient* client);
   void measure();
   void forget(std::list<Urb>& urbs);
