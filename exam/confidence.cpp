@@ -21,11 +21,7 @@ Confidence confidence(const Structure& structure, std::span<const CrossSection> 
                       const FrameLocator& locator, const ConfidenceOptions& options, const Progress& progress) {
   Confidence result;
   if (!measure_planimetry(sections).volumes.quadric_ml) return result;
-  const auto calibration_ml = calibration_spread_ml(options.calibration, [&](const Calibration& calibration) {
-    report(progress, 0.0);
-    const FrameLocator moved(recording, calibration, options.names);
-    return measure_planimetry(cross_sections(structure, moved, nullptr)).volumes.quadric_ml;
-  });
+  const auto calibration_ml = calibration_spread_ml(structure, recording, options.calibration, options.names, progress);
   result.interval = volume_interval(sections, section_places(structure, sections, locator, options.calibration),
                                     options.errors, calibration_ml.value_or(0.0));
   result.next = where_next(sections, locator);

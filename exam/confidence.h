@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "acquisition/recording.h"
+#include "core/progress.h"
 #include "measurement/missing_ends.h"
 #include "measurement/volume_interval.h"
 #include "measurement/where_next.h"

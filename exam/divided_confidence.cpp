@@ -14,21 +14,6 @@ std::vector<FrameLocator> locators_with(const Scan& scan, const Calibration& cal
   return locators;
 }
 
-std::vector<PlacedSections> placed_sections(const Structure& structure, const Scan& scan, const Division& division) {
-  const Eigen::Affine3d image_from_probe = scan.calibration.probe_from_image.inverse();
-  std::vector<PlacedSections> sweeps;
-  for (const Sweep& sweep : division.sweeps) {
-    const FrameLocator& locator = scan.locators[sweep.recording];
-    PlacedSections placed{section_outlines(structure, locator, sweep), {}};
-    for (const SectionOutline& section : placed.sections) {
-      placed.probes_mm.emplace_back(
-          (*locator.reference_from_image(section.whole.frame) * image_from_probe).translation());
-    }
-    sweeps.push_back(std::move(placed));
-  }
-  return sweeps;
-}
-
 }  // namespace
 
 Confidence divided_confidence(const Structure& structure, const Scan& scan, const Division& division,
@@ -41,12 +26,14 @@ Confidence divided_confidence(const Structure& structure, const Scan& scan, cons
   if (!volume.total.quadric_ml) return result;
   double missing_ml = 0.0;
   for (const PartitionVolume& part : volume.partitions) missing_ml += part.missing_ml;
-  const auto calibration_ml = calibration_spread_ml(scan.calibration, [&](const Calibration& calibration) {
-    report(progress, 0.0);
-    return measured(locators_with(scan, calibration)).total.quadric_ml;
-  });
-  result.interval = divided_interval(placed_sections(structure, scan, division), division.partition, errors,
-                                     calibration_ml.value_or(0.0), missing_ml, progress);
+  const auto volume_ml = [&](const Calibration& with) { return measured(locators_with(scan, with)).total.quadric_ml; };
+  const auto calibration_ml = calibration_spread_ml(scan.calibration, volume_ml, part_of(progress, 0.0, 0.5));
+  std::vector<PlacedSections> sweeps;
+  for (const Sweep& sweep : division.sweeps) {
+    sweeps.push_back(placed_sections(structure, scan.locators[sweep.recording], sweep, scan.calibration));
+  }
+  result.interval = divided_interval(sweeps, division.partition, errors, calibration_ml.value_or(0.0), missing_ml,
+                                     part_of(progress, 0.5, 1.0));
   return result;
 }
 

@@ -28,19 +28,23 @@ Calibration moved(const Calibration& calibration, int parameter, double change) 
 }  // namespace
 
 std::optional<double> calibration_spread_ml(const Structure& structure, const Recording& recording,
-                                            const Calibration& calibration, const FrameNames& names) {
-  return calibration_spread_ml(calibration, [&](const Calibration& with) {
+                                            const Calibration& calibration, const FrameNames& names,
+                                            const Progress& progress) {
+  const auto volume_ml = [&](const Calibration& with) {
     return measure_planimetry(cross_sections(structure, FrameLocator(recording, with, names), nullptr))
         .volumes.quadric_ml;
-  });
+  };
+  return calibration_spread_ml(calibration, volume_ml, progress);
 }
 
 std::optional<double> calibration_spread_ml(const Calibration& calibration,
-                                            const std::function<std::optional<double>(const Calibration&)>& volume_ml) {
+                                            const std::function<std::optional<double>(const Calibration&)>& volume_ml,
+                                            const Progress& progress) {
   const Eigen::Index size = calibration.covariance.rows();
   if (size == 0 || !volume_ml(calibration)) return std::nullopt;
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size);
   for (Eigen::Index i = 0; i < size; ++i) {
+    report(progress, static_cast<double>(i) / static_cast<double>(size));
     const auto name = std::find(kSpatialParameterNames.begin(), kSpatialParameterNames.begin() + kLatency + 1,
                                 calibration.parameters[static_cast<std::size_t>(i)]);
     const double step = kStep * std::sqrt(std::max(0.0, calibration.covariance(i, i)));

@@ -6,13 +6,13 @@
 #include <numbers>
 
 #include "measurement/moved_section.h"
+#include "measurement/partition_volume.h"
 #include "measurement/planimetry.h"
 
 namespace fathom {
 
 namespace {
 
-constexpr double kNegligible = 0.01;  // of the volume
 // Changes are taken over steps as large as the errors themselves, since the volume jumps where a section just leaves a
 // part of space; never over less than is far above rounding.
 constexpr double kStep_mm = 0.01;
@@ -22,6 +22,7 @@ struct Region {
   std::size_t region = 0;
   std::size_t sweep = 0;
   std::vector<CrossSection> clipped;  // one for each section of the sweep
+  std::vector<int> present;           // frames with a section in the region, ascending
   double volume_mm3 = 0.0;
 };
 
@@ -36,8 +37,7 @@ double volume_mm3(std::span<const SectionOutline> sections, std::span<const Cros
 
 class DividedVolume {
  public:
-  DividedVolume(std::span<const PlacedSections> sweeps, const SpacePartition& partition)
-      : sweeps_(sweeps), partition_(partition) {
+  DividedVolume(std::span<const PlacedSections> sweeps, const SpacePartition& partition) : partition_(partition) {
     for (const PlacedSections& sweep : sweeps) {
       bare_.emplace_back();
       for (const SectionOutline& section : sweep.sections) {
@@ -45,11 +45,13 @@ class DividedVolume {
       }
     }
     for (std::size_t region = 0; region < partition.region_count(); ++region) {
-      const auto cell = std::find_if(partition.cells().begin(), partition.cells().end(),
-                                     [&](const auto& candidate) { return candidate.region == region; });
-      if (cell == partition.cells().end() || !cell->sweep || *cell->sweep >= sweeps.size()) continue;
-      Region added{region, *cell->sweep, clip_each(sweeps[*cell->sweep].sections, partition, region), 0.0};
-      added.volume_mm3 = volume_mm3(sweeps[added.sweep].sections, added.clipped, partition, region);
+      const auto sweep = partition.sweep_in(region);
+      if (!sweep || *sweep >= sweeps.size()) continue;
+      Region added{region, *sweep, clip_each(sweeps[*sweep].sections, partition, region), {}, 0.0};
+      for (const CrossSection& section : present_in(bare_[*sweep], added.clipped, partition, region)) {
+        added.present.push_back(section.frame);
+      }
+      added.volume_mm3 = volume_mm3(bare_[*sweep], added.clipped, partition, region);
       volume_mm3_ += added.volume_mm3;
       regions_.push_back(std::move(added));
     }
@@ -59,8 +61,7 @@ class DividedVolume {
 
   bool has_enough_sections() const {
     return std::all_of(regions_.begin(), regions_.end(), [&](const Region& region) {
-      return region.volume_mm3 <= kNegligible * volume_mm3_ ||
-             present_in(sections(region), region.clipped, partition_, region.region).size() >= kFewestForInterval;
+      return region.volume_mm3 <= kNegligiblePart * volume_mm3_ || region.present.size() >= kFewestForInterval;
     });
   }
 
@@ -87,7 +88,7 @@ class DividedVolume {
   double left_out_mm3(std::size_t sweep, std::size_t index) const {
     double change = 0.0;
     for (const Region& region : regions_) {
-      if (region.sweep != sweep || !is_inner(region, index)) continue;
+      if (region.sweep != sweep || !is_inner(region, region.clipped[index].frame)) continue;
       std::vector<SectionOutline> rest = bare_[sweep];
       std::vector<CrossSection> clipped = region.clipped;
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(index));
@@ -98,16 +99,12 @@ class DividedVolume {
   }
 
  private:
-  std::span<const SectionOutline> sections(const Region& region) const { return sweeps_[region.sweep].sections; }
-
-  bool is_inner(const Region& region, std::size_t index) const {
-    const auto present = present_in(sections(region), region.clipped, partition_, region.region);
-    const int frame = region.clipped[index].frame;
-    return present.size() > 2 && frame != present.front().frame && frame != present.back().frame &&
-           std::any_of(present.begin(), present.end(), [&](const CrossSection& s) { return s.frame == frame; });
+  static bool is_inner(const Region& region, int frame) {
+    const auto& present = region.present;
+    return std::binary_search(present.begin(), present.end(), frame) && frame != present.front() &&
+           frame != present.back();
   }
 
-  std::span<const PlacedSections> sweeps_;
   const SpacePartition& partition_;
   std::vector<std::vector<SectionOutline>> bare_;  // each sweep's, without the points of its outlines
   std::vector<Region> regions_;
@@ -137,6 +134,17 @@ double tracker_mm6(const DividedVolume& volume, std::size_t sweep, std::size_t i
 }
 
 }  // namespace
+
+PlacedSections placed_sections(const Structure& structure, const FrameLocator& locator, const Sweep& sweep,
+                               const Calibration& calibration) {
+  const Eigen::Affine3d image_from_probe = calibration.probe_from_image.inverse();
+  PlacedSections placed{section_outlines(structure, locator, sweep), {}};
+  for (const SectionOutline& section : placed.sections) {
+    placed.probes_mm.emplace_back(
+        (*locator.reference_from_image(section.whole.frame) * image_from_probe).translation());
+  }
+  return placed;
+}
 
 std::optional<VolumeInterval> divided_interval(std::span<const PlacedSections> sweeps, const SpacePartition& partition,
                                                const MeasurementErrors& errors, double calibration_ml,

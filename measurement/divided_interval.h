@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "measurement/section_outline.h"
 #include "measurement/volume_interval.h"
+#include "registration/calibration.h"
 #include "registration/partition.h"
 
 namespace fathom {
@@ -17,6 +18,11 @@ struct PlacedSections {
   std::vector<SectionOutline> sections;
   std::vector<Eigen::Vector3d> probes_mm;
 };
+
+/// Those of a structure, as section_outlines makes them. `locator` is that of the sweep's recording, `calibration` the
+/// locator's. Throws Error as section_outlines.
+PlacedSections placed_sections(const Structure& structure, const FrameLocator& locator, const Sweep& sweep,
+                               const Calibration& calibration);
 
 /// The interval about the sum of quadric planimetry over the regions of a partition, as measure_partitions
 /// (measurement/partition_volume.h) has it; `sweeps` are those of the partition, in its order. The same as

@@ -16,8 +16,7 @@ namespace fathom {
 namespace {
 
 constexpr double kWorthSaying_ml = 0.005;
-constexpr double kNegligible = 0.01;  // of the sum: a corner of space with one section does not cost the volume
-constexpr int kLookAlong = 64;        // places along the line that closes an open outline
+constexpr int kLookAlong = 64;  // places along the line that closes an open outline
 
 constexpr std::array<std::optional<double> PlanimetryVolumes::*, 4> kMethods{
     &PlanimetryVolumes::linear_ml, &PlanimetryVolumes::cubic_ml, &PlanimetryVolumes::cubic_3d_ml,
@@ -101,7 +100,7 @@ PlanimetryVolumes sum_of(const std::vector<PartitionVolume>& partitions) {
       // A rotational sweep has no estimate, nor has one section that no plane cuts off.
       known = known && part.measurement.sections < 2 && part.missing_ml > 0.0;
     }
-    if (any && known && lacking <= kNegligible * sum) total.*method = sum;
+    if (any && known && lacking <= kNegligiblePart * sum) total.*method = sum;
   }
   return total;
 }
@@ -150,10 +149,9 @@ PartitionedVolume measure_partitions(const Structure& structure, std::span<const
     add_warnings(std::move(warnings), sweep_name(s) + ": ", result.warnings);
   }
   for (std::size_t region = 0; region < partition.region_count(); ++region) {
-    const auto cell = std::find_if(partition.cells().begin(), partition.cells().end(),
-                                   [&](const auto& candidate) { return candidate.region == region; });
-    if (cell == partition.cells().end() || !cell->sweep || *cell->sweep >= sections.size()) continue;
-    const std::size_t sweep = *cell->sweep;
+    const auto used = partition.sweep_in(region);
+    if (!used || *used >= sections.size()) continue;
+    const std::size_t sweep = *used;
     const std::vector<CrossSection> clipped = clip_each(sections[sweep], partition, region);
     const std::vector<CrossSection> inside = present_in(sections[sweep], clipped, partition, region);
     if (inside.empty()) {

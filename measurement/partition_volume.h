@@ -13,6 +13,9 @@
 
 namespace fathom {
 
+/// Of the whole volume: a part of space with less may do without a volume of its own, and without an interval.
+inline constexpr double kNegligiblePart = 0.01;
+
 /// The volume of a structure in one region of a partition, or in one sweep where nothing divides space.
 struct PartitionVolume {
   std::size_t region = 0;

@@ -212,6 +212,12 @@ std::optional<std::size_t> SpacePartition::sweep_at(const Eigen::Vector3d& point
   return cell != nullptr ? cell->sweep : best_sweep(sides);
 }
 
+std::optional<std::size_t> SpacePartition::sweep_in(std::size_t region) const {
+  const auto cell =
+      std::find_if(cells_.begin(), cells_.end(), [&](const Cell& candidate) { return candidate.region == region; });
+  return cell != cells_.end() ? cell->sweep : std::nullopt;
+}
+
 bool SpacePartition::separates(std::size_t plane) const {
   return std::any_of(cells_.begin(), cells_.end(), [&](const Cell& cell) {
     const Cell* other = find_cell(cell.sides ^ bit(plane));

@@ -64,6 +64,8 @@ class SpacePartition {
   std::uint32_t sides_at(const Eigen::Vector3d& point_mm) const;
   /// The sweep to use at a point, by its cell; empty as Cell::sweep.
   std::optional<std::size_t> sweep_at(const Eigen::Vector3d& point_mm) const;
+  /// The sweep to use in a region; empty as Cell::sweep, and where no cell has that region.
+  std::optional<std::size_t> sweep_in(std::size_t region) const;
   /// Whether plane `plane` separates two sweeps anywhere.
   bool separates(std::size_t plane) const;
 

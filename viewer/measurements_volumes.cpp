@@ -37,12 +37,9 @@ std::string parts_text(const VolumeInterval& interval, bool divided) {
 std::string change_text(const PlanimetryVolumes& volumes, const std::optional<double>& before_ml) {
   const auto& now_ml = volumes.recommended_ml();
   if (!now_ml || !before_ml) return "-";
-  const auto with_sign = [](double value, int decimals) {
-    return (value >= 0.0 ? "+" : "") + format_rounded(value, decimals);
-  };
   const double step = *now_ml - *before_ml;
-  std::string text = with_sign(step, 2) + " ml";
-  if (*before_ml > 0.0) text += " (" + with_sign(100.0 * step / *before_ml, 1) + " %)";
+  std::string text = format_signed(step, 2) + " ml";
+  if (*before_ml > 0.0) text += " (" + format_signed(100.0 * step / *before_ml, 1) + " %)";
   return text;
 }
 

@@ -58,14 +58,13 @@ std::size_t sweeps_in(const std::string& pattern) {
 /// Frames that show the object where their sweep is used.
 int used_sections(const DividedScan& divided) {
   const SpacePartition& partition = divided.division.partition;
-  std::set<std::size_t> regions;
   std::set<int> frames;
-  for (const SpacePartition::Cell& cell : partition.cells()) {
-    if (!cell.sweep || !regions.insert(cell.region).second) continue;
-    const Sweep& sweep = divided.division.sweeps[*cell.sweep];
-    const auto sections = section_outlines(divided.scan.outlines.front(), divided.locator, sweep);
-    const auto clipped = clip_each(sections, partition, cell.region);
-    for (const CrossSection& section : present_in(sections, clipped, partition, cell.region)) {
+  for (std::size_t region = 0; region < partition.region_count(); ++region) {
+    const auto used = partition.sweep_in(region);
+    if (!used) continue;
+    const auto sections =
+        section_outlines(divided.scan.outlines.front(), divided.locator, divided.division.sweeps[*used]);
+    for (const CrossSection& section : clip_sections(sections, partition, region)) {
       frames.insert(section.frame);
     }
   }

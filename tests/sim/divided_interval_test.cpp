@@ -37,14 +37,9 @@ Exam exam_of(const std::string& object, const std::string& pattern, int frames) 
   options.pattern = pattern;
   options.frames = frames;
   Exam exam{divided_scan(options), {}};
-  const Eigen::Affine3d image_from_probe = exam.divided.scan.calibration.probe_from_image.inverse();
   for (const Sweep& sweep : exam.divided.division.sweeps) {
-    PlacedSections placed{section_outlines(exam.structure(), exam.divided.locator, sweep), {}};
-    for (const SectionOutline& section : placed.sections) {
-      const auto map = exam.divided.locator.reference_from_image(section.whole.frame);
-      placed.probes_mm.emplace_back((*map * image_from_probe).translation());
-    }
-    exam.sweeps.push_back(std::move(placed));
+    exam.sweeps.push_back(
+        placed_sections(exam.structure(), exam.divided.locator, sweep, exam.divided.scan.calibration));
   }
   return exam;
 }
